@@ -8,8 +8,7 @@ pub(crate) const CODES: [(u8, &str); 5] = [
     (0, "success; diff: the images are equal, or within the limits"),
     (
         1,
-        "the check failed; diff: the images differ by more than the limits; bench, probe: images or tracers differ; selftest: \
-         a case fails",
+        "the check failed; diff: the images differ by more than the limits; bench: images differ; selftest: a case fails",
     ),
     (ERROR, "error, printed to standard error"),
     (130, "stopped by SIGINT (Ctrl-C); a new image has what was finished, an older one stays"),

@@ -179,7 +179,7 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Check(args) => check::run(args).map(|()| true),
         Command::Convert(args) => pooled(|| convert::run(args)).map(|()| true),
         Command::Explain(args) => explain::run(args).map(|()| true),
-        Command::Probe(args) => probe::run(args),
+        Command::Probe(args) => probe::run(args).map(|()| true),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(args).map(|()| true),
         Command::Generate(args) => pooled(|| generate::run(args)).map(|()| true),

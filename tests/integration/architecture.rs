@@ -22,7 +22,7 @@ const ARROWS: [(&str, &str); 13] = [
     ("tile", "counters kernels prepared"),
     ("wavefront", "accel counters geometry kernels math plan prepared tile"),
     ("recursive", "accel counters kernels math plan prepared tile"),
-    ("probe", "accel counters geometry kernels math prepared recursive tile wavefront"),
+    ("probe", "accel counters geometry kernels math prepared recursive"),
     ("render", "counters film kernels prepared recursive tile wavefront"),
 ];
 

@@ -1,7 +1,6 @@
 //! Probing a pixel: the hit of each of its rays, and the contribution of every light there.
 //!
-//! Both tracers render the pixel while they are recorded. They must trace the same rays to the same
-//! hits and gather the same light, to the last bit. Nothing is traced but what is recorded.
+//! It is the recursive tracer that is recorded: the wavefront traces the same rays to the same hits.
 
 mod record;
 
@@ -18,9 +17,6 @@ use crate::math::float::{UNIT_ROUNDOFF, normalize};
 use crate::math::{Ray, Stream};
 use crate::prepared::{Branch, Class, PreparedScene};
 use crate::recursive::{Observer, PathEnd, Recursive, TracedLight};
-use crate::tile::{Tile, Unit};
-use crate::wavefront::batch::Batch;
-use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 use crate::with_precision;
 
 pub use record::{
@@ -47,10 +43,6 @@ pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> InvalidSamp
     }
 }
 
-/// The values on which both tracers must agree: for each ray the ray itself, its hit, and the light
-/// gathered up to there.
-type TracedBounce = (Ray, Hit, Vec3);
-
 /// The most paths of a record, unless one is asked for.
 const MOST_PATHS: u32 = 16;
 
@@ -69,7 +61,7 @@ pub fn pixel(
     with_precision!(scene.accel.geometry().precision, P => record::<P>(scene, pixel, sample, seed, ends))
 }
 
-/// Records samples of a pixel, in both tracers.
+/// Records samples of a pixel.
 fn record<P: Arithmetic>(
     scene: &PreparedScene,
     [x, y]: [u32; 2],
@@ -79,7 +71,7 @@ fn record<P: Arithmetic>(
 ) -> PixelRecord {
     let samples = scene.camera.rays_per_pixel();
     let range = sample.map_or(0..samples.min(MOST_PATHS), |sample| sample..sample + 1);
-    let mut tracer = Recursive::<P>::new(scene, seed, false);
+    let mut tracer = Recursive::<P>::new(scene, seed);
     let (count, is_cut) = (Cell::new(0), Cell::new(false));
     let is_over = || {
         is_cut.set(count.get() >= MOST_RECORDS || ends(count.get()));
@@ -92,58 +84,16 @@ fn record<P: Arithmetic>(
             traversal: scene.accel.traversal(),
             count: &count,
             path: PathRecord { sample, ..PathRecord::default() },
-            steps: Vec::new(),
             waiting: Vec::new(),
             bounces: 0,
         };
         recorder.path.radiance = tracer.path(scene, [x, y], stream, &is_over, &mut recorder);
-        (recorder.path, recorder.steps)
+        recorder.path
     };
-    let begun = range.clone().take_while(|_| !is_cut.get());
-    let (paths, steps): (Vec<_>, Vec<_>) = begun.map(follow).unzip();
-    let unit = Unit { tile: Tile { x, y, width: 1, height: 1 }, samples: range };
-    let others = wavefront_steps::<P>(scene, &unit, seed, &|| is_cut.get() || ends(count.get()));
-    let found = others.as_ref().and_then(|others| difference(&steps, others));
-    let differs = found.map(|[path, bounce]| [unit.samples.start + path, bounce]);
-    let cut_after = others.is_none().then(|| count.get());
-    PixelRecord { pixel: [x, y], samples, paths, differs, cut_after }
-}
-
-/// The wavefront's steps, for each sample of a pixel; `None` if it is `cancelled`.
-fn wavefront_steps<P: Arithmetic>(
-    scene: &PreparedScene,
-    unit: &Unit,
-    seed: u64,
-    cancelled: &dyn Fn() -> bool,
-) -> Option<Vec<Vec<TracedBounce>>> {
-    let mut steps = vec![Vec::new(); unit.samples.len()];
-    let mut tracer = Wavefront::<P>::new(scene, seed, DEFAULT_BATCH);
-    let watch = |_, batch: &Batch| {
-        for i in 0..batch.rays.len() {
-            let path = batch.rays.path[i] as usize;
-            let step = (batch.ray(i), batch.hits.hit[i], batch.paths.radiance.get(path));
-            steps[(batch.paths.sample[path] - unit.samples.start) as usize].push(step);
-        }
-    };
-    tracer.render_watched(scene, unit, &mut [[0.0; 3]], cancelled, watch).then_some(steps)
-}
-
-/// The first sample, and the first of its rays, at which the tracers differ.
-fn difference(ones: &[Vec<TracedBounce>], others: &[Vec<TracedBounce>]) -> Option<[u32; 2]> {
-    let pairs = ones.iter().zip(others).enumerate();
-    pairs.into_iter().find_map(|(sample, (one, other))| {
-        let same = |(a, b): (&TracedBounce, &TracedBounce)| {
-            // Bits, so that NaN equals itself.
-            (a.0, a.1) == (b.0, b.1) && bits(a.2) == bits(b.2)
-        };
-        let bounce = one.iter().zip(other).position(|pair| !same(pair));
-        let bounce = bounce.or((one.len() != other.len()).then(|| one.len().min(other.len())));
-        Some([sample as u32, bounce? as u32])
-    })
-}
-
-fn bits(v: Vec3) -> [u32; 3] {
-    v.to_array().map(f32::to_bits)
+    let begun = range.take_while(|_| !is_cut.get());
+    let paths = begun.map(follow).collect();
+    let cut_after = is_cut.get().then(|| count.get());
+    PixelRecord { pixel: [x, y], samples, paths, cut_after }
 }
 
 /// Records the recursive tracer.
@@ -154,7 +104,6 @@ struct Recorder<'a> {
     /// The rays and points on lights that are recorded.
     count: &'a Cell<u32>,
     path: PathRecord,
-    steps: Vec<TracedBounce>,
     /// Where the waiting rays of the tracer come from, and their kinds.
     waiting: Vec<(usize, RayKind)>,
     /// How often the last ray was mirrored or refracted.
@@ -210,7 +159,6 @@ impl Observer for Recorder<'_> {
             shape.map_or_else(String::new, |shape| appearance.places[shape].clone())
         };
         let met = (!hit.is_miss()).then(|| self.met(ray, hit));
-        self.steps.push((*ray, *hit, Vec3::ZERO));
         self.count.set(self.count.get() + 1);
         self.bounces = state.bounces;
         let (from, kind) = self.waiting.pop().unzip();
@@ -230,7 +178,7 @@ impl Observer for Recorder<'_> {
         });
     }
 
-    fn surface(&mut self, point: &ShadingPoint<f32>, class: &Class, _: Vec3) {
+    fn surface(&mut self, point: &ShadingPoint<f32>, class: &Class) {
         // The file of the image that gives the colour.
         let images = &self.scene.appearance.images;
         let image = class.color().and_then(|color| images.get(color.image as usize));
@@ -299,9 +247,8 @@ impl Observer for Recorder<'_> {
             let place = if branch.state.faint { 0 } else { self.waiting.len() };
             self.waiting.insert(place, (from, kind(branch)));
         }
-        if let (Some(bounce), Some(step)) = (self.path.bounces.last_mut(), self.steps.last_mut()) {
+        if let Some(bounce) = self.path.bounces.last_mut() {
             (bounce.radiance, bounce.end) = (radiance, next.is_empty().then_some(end));
-            step.2 = radiance;
         }
     }
 }

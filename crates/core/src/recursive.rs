@@ -18,7 +18,7 @@ use crate::plan::schedule::Schedule;
 use crate::prepared::{
     Branch, Class, Interaction, MOST_RAYS, MediumStack, PathState, PreparedScene, ShadowCrossings,
 };
-use crate::tile::{PassClock, TimedPass, Tracer, Unit, add_sample};
+use crate::tile::{Tracer, Unit, add_sample};
 
 /// The tracer.
 #[derive(Debug)]
@@ -39,15 +39,12 @@ pub struct Recursive<P> {
     steps: u32,
     /// Whether the render was cancelled.
     ended: bool,
-    /// Seconds by pass, or all in the last one if they are not timed.
-    clock: PassClock,
-    time_passes: bool,
     precision: PhantomData<P>,
 }
 
 impl<P: Arithmetic> Recursive<P> {
     /// The tracer for `scene`, with the seed of random numbers.
-    pub fn new(scene: &PreparedScene, seed: u64, time_passes: bool) -> Self {
+    pub fn new(scene: &PreparedScene, seed: u64) -> Self {
         let schedule = scene.plan.schedule();
         let mut traversal = scene.accel.traversal();
         traversal.notes_passed = schedule.has_transmission();
@@ -62,8 +59,6 @@ impl<P: Arithmetic> Recursive<P> {
             counters: Counters::default(),
             steps: 0,
             ended: false,
-            clock: PassClock::new(),
-            time_passes,
             precision: PhantomData,
         }
     }
@@ -77,18 +72,22 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
         sums: &mut [[f64; 3]],
         cancelled: &dyn Fn() -> bool,
     ) -> bool {
-        self.clock.start();
         self.traversal.without_t = !scene.needs_t();
         self.ended = false;
-        if self.time_passes {
-            let mut steps = StepClock { clock: self.clock, shading: TimedPass::Shade };
-            self.paths(scene, unit, sums, cancelled, &mut steps);
-            self.clock = steps.clock;
-        } else {
-            self.paths(scene, unit, sums, cancelled, &mut ());
+        let width = scene.camera.size()[0];
+        for (index, sum) in sums.iter_mut().enumerate() {
+            let (x, y) = unit.tile.pixel(index as u32);
+            for sample in unit.samples.clone() {
+                let stream = Stream { seed: self.seed, pixel: y * width + x, sample, bounce: 0 };
+                let radiance = self.path(scene, [x, y], stream, cancelled, &mut ());
+                if self.ended {
+                    return false;
+                }
+                let sample = Sample { pixel: stream.pixel, sample };
+                add_sample(sum, radiance.to_array(), sample, &mut self.counters);
+            }
         }
-        self.clock.lap(TimedPass::Resolve);
-        !self.ended
+        true
     }
 
     /// A path is a few numbers on the stack.
@@ -101,13 +100,9 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
         Counters { tests, kernels, ..self.counters }
     }
 
+    /// It has no passes.
     fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
-        let mut passes = self.clock.by_name();
-        if !self.time_passes {
-            passes.drain(..TimedPass::Resolve as usize);
-            passes[0].0 = "recursive";
-        }
-        passes
+        Vec::new()
     }
 }
 
@@ -115,16 +110,13 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
 /// is one: `None` if that is blocked.
 pub type TracedLight<'a> = Option<(&'a ShadowRequest<f32>, Option<Vec3>)>;
 
-/// Receives the steps of a path, for a record or a clock. A usual render has no observer.
+/// Receives the steps of a path, for a record. A usual render has no observer.
 pub trait Observer {
-    /// A camera ray was made.
-    fn camera(&mut self) {}
-
     /// This ray of the path was traced to this hit, with this work.
     fn ray(&mut self, _: &Branch, _: &Hit, _: TestCounts) {}
 
-    /// It hits a surface of this class; the light without further rays is added.
-    fn surface(&mut self, _: &ShadingPoint<f32>, _: &Class, _: Vec3) {}
+    /// It hits a surface of this class.
+    fn surface(&mut self, _: &ShadingPoint<f32>, _: &Class) {}
 
     /// What arrives at the surface from the `index`th point of the `light`th light.
     fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: TracedLight<'_>) {}
@@ -132,48 +124,9 @@ pub trait Observer {
     /// All is done at the hit: the radiance gathered so far, the rays that go on from here, the next
     /// one last, and why none does if there is none.
     fn done(&mut self, _: Vec3, _: &[Branch], _: PathEnd) {}
-
-    /// The radiance of the path was added to its pixel's sum.
-    fn added(&mut self) {}
 }
 
 impl Observer for () {}
-
-/// Times the steps of paths, each as the pass of the wavefront that does the same. It looks at the
-/// clock several times a ray, which takes a considerable part of the time.
-struct StepClock {
-    clock: PassClock,
-    /// The pass that shades the current hit.
-    shading: TimedPass,
-}
-
-impl Observer for StepClock {
-    fn camera(&mut self) {
-        self.clock.lap(TimedPass::Generate);
-    }
-
-    fn ray(&mut self, _: &Branch, _: &Hit, _: TestCounts) {
-        self.clock.lap(TimedPass::Intersect);
-        self.shading = TimedPass::Shade;
-    }
-
-    fn surface(&mut self, _: &ShadingPoint<f32>, class: &Class, _: Vec3) {
-        self.shading = if class.is_plain() { TimedPass::Shade } else { TimedPass::Maps };
-        self.clock.lap(self.shading);
-    }
-
-    fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: TracedLight<'_>) {
-        self.clock.lap(TimedPass::Shadow);
-    }
-
-    fn done(&mut self, _: Vec3, _: &[Branch], _: PathEnd) {
-        self.clock.lap(self.shading);
-    }
-
-    fn added(&mut self) {
-        self.clock.lap(TimedPass::Resolve);
-    }
-}
 
 /// Why no ray goes on from a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -204,31 +157,6 @@ impl<P: Arithmetic> Recursive<P> {
         self.ended
     }
 
-    /// Adds all paths of the unit to their pixels' `sums`, unless it ends before.
-    fn paths(
-        &mut self,
-        scene: &PreparedScene,
-        unit: &Unit,
-        sums: &mut [[f64; 3]],
-        cancelled: &dyn Fn() -> bool,
-        observer: &mut impl Observer,
-    ) {
-        let width = scene.camera.size()[0];
-        for (index, sum) in sums.iter_mut().enumerate() {
-            let (x, y) = unit.tile.pixel(index as u32);
-            for sample in unit.samples.clone() {
-                let stream = Stream { seed: self.seed, pixel: y * width + x, sample, bounce: 0 };
-                let radiance = self.path(scene, [x, y], stream, cancelled, observer);
-                if self.ended {
-                    return;
-                }
-                let sample = Sample { pixel: stream.pixel, sample };
-                add_sample(sum, radiance.to_array(), sample, &mut self.counters);
-                observer.added();
-            }
-        }
-    }
-
     /// The radiance along the camera ray of `stream`, through the pixel (`x`, `y`), without a meaning
     /// if it is `cancelled`.
     pub fn path(
@@ -242,7 +170,6 @@ impl<P: Arithmetic> Recursive<P> {
         let ray = scene.camera.ray(x, y, &stream);
         self.counters.primary_rays += 1;
         self.counters.lens_samples += u64::from(scene.camera.has_lens());
-        observer.camera();
         let (shadows, transmits) = (self.schedule.has_shadows(), self.schedule.has_transmission());
         let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut radiance = Vec3::ZERO;
@@ -273,7 +200,7 @@ impl<P: Arithmetic> Recursive<P> {
                     let own = scene.shown(&state, own, point.emission.into());
                     let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
                     radiance += own * Vec3::from(local);
-                    observer.surface(point, class, radiance);
+                    observer.surface(point, class);
                     if shadows && point.lit {
                         let gathered = (if state.faint { Vec3::ZERO } else { own }, &mut radiance);
                         let at = (point, state.media);

@@ -49,15 +49,12 @@ pub struct RenderOptions {
     /// Largest number of paths in a batch of the wavefront; a batch is never larger than the image,
     /// or than a tile of 1024 x 1024 pixels.
     pub batch: usize,
-    /// Whether the recursive tracer times its passes, which slows it down. The wavefront always
-    /// does, at no cost.
-    pub time_passes: bool,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
         let tracer = TracerKind::default();
-        Self { tracer, crop: None, seed: 0, batch: DEFAULT_BATCH, time_passes: false }
+        Self { tracer, crop: None, seed: 0, batch: DEFAULT_BATCH }
     }
 }
 
@@ -74,7 +71,7 @@ pub struct Rendered {
     pub counters: Counters,
     /// Bytes of the columns of all threads' batches.
     pub columns: u64,
-    /// Seconds in each pass, summed over threads.
+    /// Seconds in each pass of the wavefront, summed over threads.
     pub pass_seconds: Vec<(&'static str, f64)>,
     /// Seconds from start to end.
     pub seconds: f64,

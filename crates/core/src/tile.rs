@@ -138,8 +138,7 @@ pub trait Tracer: Send {
     /// The work done so far.
     fn counters(&self) -> Counters;
 
-    /// Seconds so far in each pass, by the pass's name ([`TimedPass`]); or in all but decoding, by the
-    /// name of the tracer.
+    /// Seconds so far in each pass, by the pass's name ([`TimedPass`]); of none if it has no passes.
     fn pass_seconds(&self) -> Vec<(&'static str, f64)>;
 }
 

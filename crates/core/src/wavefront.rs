@@ -75,35 +75,6 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
         cancelled: &dyn Fn() -> bool,
     ) -> bool {
         self.traversal.without_t = !scene.needs_t();
-        self.render_watched(scene, unit, sums, cancelled, |_, _| {})
-    }
-
-    fn bytes(&self) -> u64 {
-        self.batch.bytes()
-    }
-
-    fn counters(&self) -> Counters {
-        let Traversal { tests, kernels, .. } = self.traversal;
-        Counters { tests, kernels, ..self.counters }
-    }
-
-    fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
-        self.clock.by_name()
-    }
-}
-
-/// The passes over the batch, each timed.
-impl<P: Arithmetic> Wavefront<P> {
-    /// As [`Tracer::render`]; `watch` receives the batch after each bounce, with the number of the
-    /// bounce.
-    pub fn render_watched(
-        &mut self,
-        scene: &PreparedScene,
-        unit: &Unit,
-        sums: &mut [[f64; 3]],
-        cancelled: &dyn Fn() -> bool,
-        mut watch: impl FnMut(u32, &Batch),
-    ) -> bool {
         let paths = unit.paths();
         let mut start = 0;
         while start < paths {
@@ -114,7 +85,6 @@ impl<P: Arithmetic> Wavefront<P> {
                 self.timed(TimedPass::Shade, |own| own.shade(scene, bounce));
                 let is_lit = !self.schedule.has_shadows()
                     || self.timed(TimedPass::Shadow, |own| own.shadow(scene, bounce, cancelled));
-                watch(bounce, &self.batch);
                 if !is_lit || cancelled() {
                     self.batch.waiting.clear();
                     return false;
@@ -135,6 +105,21 @@ impl<P: Arithmetic> Wavefront<P> {
         true
     }
 
+    fn bytes(&self) -> u64 {
+        self.batch.bytes()
+    }
+
+    fn counters(&self) -> Counters {
+        let Traversal { tests, kernels, .. } = self.traversal;
+        Counters { tests, kernels, ..self.counters }
+    }
+
+    fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
+        self.clock.by_name()
+    }
+}
+
+impl<P: Arithmetic> Wavefront<P> {
     /// Does the work of a pass, and adds its time.
     fn timed<T>(&mut self, pass: TimedPass, work: impl FnOnce(&mut Self) -> T) -> T {
         self.clock.start();

@@ -32,7 +32,7 @@
 //! | `.difference` | | the variant whose image differs, and how, or `null`: see [`equal::RunDifference`] |
 //! | `.variants` | | one entry for each, empty if images differ: |
 //! | `..label` | | its name in the list |
-//! | `..tracer`, `.time_passes`, `.kernel`, `.simd`, `.batch`, `.threads`, `.planned` | | the variant: see [`variant::Variant`] |
+//! | `..tracer`, `.kernel`, `.simd`, `.batch`, `.threads`, `.planned` | | the variant: see [`variant::Variant`] |
 //! | `..over` | | the variant that its speed is compared with |
 //! | `..ratio.median`, `.low`, `.high`, `.confidence`, `.pairs` | | its speed over that of the other: seconds of the other over its own, round by round |
 //! | `..gain` | | the step that leads to it: what is new (`of`), the variant before (`from`), and the ratio of the speeds; the gains of a ladder multiply to the ratio of the last variant |
@@ -40,7 +40,7 @@
 //! | `..processor_seconds` | seconds | processor time of each run, of all threads (`null` if unknown) |
 //! | `..processors` | | processors that worked on average |
 //! | `..mrays_s` | 10^6 rays / s | rays of every kind, by the median of the seconds |
-//! | `..passes.NAME` | seconds | median time in the pass, summed over threads; of a recursive tracer with a clock as a share of the time without one |
+//! | `..passes.NAME` | seconds | median time in the pass of the wavefront, summed over threads |
 //! | `..costs[].pass`, `.of`, `.count`, `.nanoseconds` | | what a pass handles, how many in one run, and its time for each: plain hits are on opaque surfaces without maps, mapped hits on all others |
 //! | `..batch_bytes` | bytes | held for one batch |
 //! | `..tests.nodes`, `.primitives` | tests | in one run, as in [`crate::statistics`] |

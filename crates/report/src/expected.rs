@@ -218,7 +218,7 @@ fn count(scene: &PreparedScene, options: &RenderOptions, side: u32) -> (Counters
     let pixels = tiles(scene.camera.size(), side, 1, options.seed);
     let paths: Vec<Unit> = (0..).zip(pixels).map(path).collect();
     // Single paths are what this tracer is for; it counts the same.
-    let options = RenderOptions { tracer: TracerKind::Recursive, time_passes: false, ..*options };
+    let options = RenderOptions { tracer: TracerKind::Recursive, ..*options };
     let follow = |paths: &[Unit]| {
         let mut tracer = work::tracer(scene, &options);
         for path in paths {

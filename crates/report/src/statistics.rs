@@ -25,7 +25,7 @@
 //! | `lights_at_surface` | rays | to lights within the rounding error of the surface |
 //! | `cut_short` | paths | that ended at 65 536 rays: their surfaces send on more light than they receive |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | wall-clock time by stage |
-//! | `time.passes` | seconds | by pass ([`TimedPass`](wavecrest_core::tile::TimedPass)), summed over threads; `maps` is the shading of mapped hits, and `decode` the decoding of images, wherever it is |
+//! | `time.passes` | seconds | by pass ([`TimedPass`](wavecrest_core::tile::TimedPass)), summed over threads, empty for the recursive tracer; `maps` is the shading of mapped hits, and `decode` the decoding of images, wherever it is |
 //! | `memory.peak` | bytes | peak of the process (`null` if unknown) |
 //! | `columns.held` | bytes | columns of the wavefront's batches on all threads (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees as they are at the end: all nodes, the largest depth |

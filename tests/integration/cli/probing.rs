@@ -23,7 +23,7 @@ const MIRROR: &str = r#"/nbounces 3
 /scene/shapes/1/points [[-4, -1, 4], [-4, -1, -4], [4, -1, -4], [4, -1, 4]]"#;
 
 #[test]
-fn both_tracers_tell_the_story_of_every_kind_of_pixel() {
+fn every_kind_of_pixel_tells_its_story() {
     let folder = with_ball();
     put(folder.path(), "mirror.json", edited(ball(), MIRROR).to_string());
     let (mut ends, mut verdicts) = (Vec::new(), Vec::new());
@@ -33,7 +33,7 @@ fn both_tracers_tell_the_story_of_every_kind_of_pixel() {
                 ["probe", "mirror.json", "--pixel", pixel, "--json", "--precision", precision];
             let record = run_json(folder.path(), &arguments);
             let paths = record["paths"].as_array().unwrap();
-            assert_eq!((paths.len(), &record["differs"]), (4, &Value::Null));
+            assert_eq!(paths.len(), 4);
             for bounce in paths.iter().flat_map(|path| path["bounces"].as_array().unwrap()) {
                 ends.push(bounce["end"].to_string());
                 let lights = bounce["met"]["lights"].as_array().into_iter().flatten();
@@ -58,7 +58,7 @@ fn what_is_traced_is_what_is_shown_and_no_more_than_can_be_read() {
     let of = |more: &[&str]| {
         let arguments = ["probe", "ball.json", "--pixel", "0,0", "--json"];
         let record = run_json(folder.path(), &[&arguments, more].concat());
-        assert_eq!((&record["samples"], &record["differs"]), (&4096.into(), &Value::Null));
+        assert_eq!(record["samples"], 4096);
         let paths = record["paths"].as_array().expect("paths").iter();
         (paths.map(|path| path["sample"].clone()).collect(), record["cut_after"].as_u64())
     };

@@ -42,7 +42,7 @@ fn slab(half: f64, angle: f64, material: &Value) -> [Value; 2] {
 fn path(bounces: u32, shapes: &[Value]) -> PathRecord {
     let prepared = seen(bounces, &[], shapes);
     let record = probe::pixel(&prepared, [0, 0], None, 0, &|_| false);
-    assert_eq!(record.differs, None, "both tracers agree");
+    image_of(&prepared, 0);
     record.paths.into_iter().next().expect("a path")
 }
 

@@ -199,10 +199,6 @@ pub struct PixelRecord {
     pub samples: u32,
     /// The recorded paths, sample by sample.
     pub paths: Vec<PathRecord>,
-    /// The first sample, and the number of its ray, at which the wavefront differs; `None` if both
-    /// agree.
-    pub differs: Option<[u32; 2]>,
-    /// The number of rays and points on lights with which the record ends before the last path does: then the tracers are
-    /// not compared.
+    /// The number of rays and points on lights with which the record ends before the last path does.
     pub cut_after: Option<u32>,
 }

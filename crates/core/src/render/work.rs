@@ -173,10 +173,10 @@ pub fn add(sums: &mut [[f64; 3]], block: &[[f64; 3]]) {
 
 /// A tracer of the scene, compiled for its precision.
 pub fn tracer(scene: &PreparedScene, options: &RenderOptions) -> Box<dyn Tracer> {
-    let RenderOptions { tracer, seed, batch, time_passes, .. } = *options;
+    let RenderOptions { tracer, seed, batch, .. } = *options;
     with_precision!(scene.accel.geometry().precision, P => match tracer {
         TracerKind::Wavefront => Box::new(Wavefront::<P>::new(scene, seed, batch)),
-        TracerKind::Recursive => Box::new(Recursive::<P>::new(scene, seed, time_passes)),
+        TracerKind::Recursive => Box::new(Recursive::<P>::new(scene, seed)),
     })
 }
 

@@ -42,11 +42,6 @@ impl BenchComparison {
     pub(super) fn wavefront(&self) -> Option<&VariantBench> {
         self.variants.iter().rfind(|v| v.variant.tracer == TracerKind::Wavefront)
     }
-
-    /// The recursive tracer with a clock, if it is in the list.
-    pub(super) fn timed(&self) -> Option<&VariantBench> {
-        self.variants.iter().find(|v| v.variant.time_passes)
-    }
 }
 
 /// The results of one variant.
@@ -166,7 +161,7 @@ impl<'a> Runner<'a> {
 
     /// One run of `variant`.
     pub(super) fn run(&mut self, variant: &Variant) -> Result<Run> {
-        let &Variant { tracer, time_passes, kernel, simd, batch, threads, planned } = variant;
+        let &Variant { tracer, kernel, simd, batch, threads, planned } = variant;
         self.scene.accel.kernel = kernel;
         if let Some(level) = simd.token() {
             self.scene.accel.level = level;
@@ -175,7 +170,7 @@ impl<'a> Runner<'a> {
             true => self.planned.clone(),
             false => Plan::of(self.planned.decisions().to_vec(), &unplanned(&PASSES)),
         };
-        let options = RenderOptions { tracer, time_passes, batch, seed: self.seed, crop: None };
+        let options = RenderOptions { tracer, batch, seed: self.seed, crop: None };
         let scene = &*self.scene;
         if threads == rayon::current_num_threads() {
             return Run::of(scene, &options);
@@ -250,12 +245,7 @@ fn variants(choices: &[ListedVariant], measured: &[Vec<(Timing, KeptRun)>]) -> V
         });
         let (_, last) = runs.last()?;
         let summary = Summary::of(&seconds[index])?;
-        let mut passes = passes(runs);
-        if variant.time_passes {
-            // Looking at the clock takes time, in every pass.
-            let share = sum(&self::passes(&measured[*over])) / sum(&passes).max(f64::MIN_POSITIVE);
-            passes.iter_mut().for_each(|(_, seconds)| *seconds *= share);
-        }
+        let passes = passes(runs);
         let together: Timing = runs.iter().map(|(timing, _)| *timing).sum();
         Some(VariantBench {
             label: label.clone(),
@@ -289,7 +279,7 @@ pub(super) fn sum(passes: &[(&str, f64)]) -> f64 {
     passes.iter().map(|(_, seconds)| seconds).sum()
 }
 
-/// The costs of those of the `passes` that have work, with their seconds. A tracer without a clock has none.
+/// The costs of those of the `passes` that have work, with their seconds. The recursive tracer has none.
 fn costs(passes: &[(&'static str, f64)], c: &Counters) -> Vec<PassCost> {
     let handled = [
         (TimedPass::Generate, "camera ray", c.primary_rays),

@@ -106,7 +106,6 @@ impl SceneBench {
     ) -> Result<Self> {
         let usual = Variant {
             tracer: TracerKind::Wavefront,
-            time_passes: false,
             kernel: setting.kernel,
             simd: setting.simd,
             batch: setting.batch,

@@ -53,7 +53,6 @@ fn setting(name: &str) -> BenchSetting {
 fn usual() -> Variant {
     Variant {
         tracer: TracerKind::Wavefront,
-        time_passes: false,
         kernel: KernelChoice::Auto,
         simd: Level::best(),
         batch: 1024,
@@ -88,8 +87,8 @@ fn compared_in(
     let mut runs = vec![0; choices.len()];
     let trace = |variant: &Variant| -> Result<Run> {
         let number = choices.iter().position(|choice| choice.variant == *variant).unwrap();
-        let &Variant { tracer, batch, time_passes, .. } = variant;
-        let options = RenderOptions { tracer, batch, time_passes, seed: 3, crop: None };
+        let &Variant { tracer, batch, .. } = variant;
+        let options = RenderOptions { tracer, batch, seed: 3, crop: None };
         let mut run = Run::of(scene, &options)?;
         run.timing = Timing { seconds: seconds(number, runs[number]), processor: None };
         runs[number] += 1;
@@ -132,22 +131,20 @@ fn the_ladder_goes_from_the_recursive_tracer_to_the_usual_kernel() {
     let ladder = of(KernelChoice::Auto);
     assert!(ladder.iter().all(|choice| choice.over == 0));
     assert_eq!(ladder[0].variant, Variant { tracer: TracerKind::Recursive, ..usual() });
-    let last = ladder.last().unwrap();
-    assert!(last.variant.time_passes && last.variant.tracer == TracerKind::Recursive);
-    let steps = || ladder[1..ladder.len() - 1].iter();
+    let steps = || ladder[1..].iter();
     assert!(steps().enumerate().all(|(from, choice)| choice.step.unwrap().0 == from));
     if usual().simd.token().is_some_and(is_wide) {
         let names = ["recursive", "wavefront, single rays", "wavefront, in flight"];
         assert_eq!(labels(&ladder)[..3], names);
-        assert_eq!(labels(&ladder)[3..], ["wavefront, packets", "recursive, timed"]);
+        assert_eq!(labels(&ladder)[3..], ["wavefront, packets"]);
         let gains: Vec<&str> = steps().map(|choice| choice.step.unwrap().1).collect();
         assert_eq!(gains, ["order", "flight", "packets"]);
         assert_eq!(steps().next_back().unwrap().variant, usual());
         let packet = of(KernelChoice::Packet);
         assert_eq!(packet[3].variant.kernel, KernelChoice::Packet);
-        assert_eq!(of(KernelChoice::Stream).len(), 4);
+        assert_eq!(of(KernelChoice::Stream).len(), 3);
     }
-    assert_eq!(of(KernelChoice::Single).len(), 3);
+    assert_eq!(of(KernelChoice::Single).len(), 2);
     let reference = of(KernelChoice::Reference);
     assert!(reference.iter().all(|choice| choice.variant.kernel == KernelChoice::Reference));
 }

@@ -12,8 +12,6 @@ use wavecrest_core::render::TracerKind;
 pub struct Variant {
     /// The tracer.
     pub tracer: TracerKind,
-    /// Whether the recursive tracer times its passes, which slows it down.
-    pub time_passes: bool,
     /// The kernel for batches of rays; the recursive tracer always traces single rays.
     pub kernel: KernelChoice,
     /// Instruction sets.
@@ -77,12 +75,7 @@ impl Varied {
     pub fn choices(self, usual: Variant, batches: &[usize]) -> Vec<ListedVariant> {
         let mut list = Vec::new();
         match self {
-            Self::Ladder => {
-                ladder(&mut list, usual, "");
-                let (label, variant) = ("recursive, timed".to_owned(), recursive(usual));
-                let variant = Variant { time_passes: true, ..variant };
-                list.push(ListedVariant { label, variant, over: 0, step: None });
-            }
+            Self::Ladder => ladder(&mut list, usual, ""),
             Self::Kernels => {
                 let kernels = KernelChoice::FOR_RENDERS.map(|kernel| Variant { kernel, ..usual });
                 list = against(usual, kernels, |variant| variant.kernel.name().to_owned());

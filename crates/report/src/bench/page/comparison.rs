@@ -43,16 +43,16 @@ pub(super) fn comparison(found: &BenchComparison, rays: &Rays, machine: &Machine
         Block::Table(times(found, over, &note)),
         passes(found, title),
     ]);
-    if let (Some(wavefront), Some(recursive)) = (found.wavefront(), found.timed()) {
-        blocks.push(Block::Table(costs(wavefront, recursive)));
+    if let (Varied::Ladder, Some(wavefront)) = (found.of, found.wavefront()) {
+        blocks.push(Block::Table(costs(wavefront)));
     }
     blocks.push(Block::Table(work(found, rays, machine)));
     blocks
 }
 
-/// The speed of each variant but those that others are compared with, and those with a clock.
+/// The speed of each variant but those that others are compared with.
 fn speeds_of(found: &BenchComparison) -> (ChartAxis, Series) {
-    let shown = found.variants.iter().filter(|v| v.over != v.label && !v.variant.time_passes);
+    let shown = found.variants.iter().filter(|v| v.over != v.label);
     let shown: Vec<&VariantBench> = shown.collect();
     if found.of == Varied::Batches {
         let axis = ChartAxis::new("paths in a batch", "", Scale::Log);
@@ -109,41 +109,31 @@ fn times(found: &BenchComparison, over: &str, note: &str) -> Table {
     })
 }
 
-/// Time by pass. A recursive tracer without a clock has no passes.
+/// Time by pass. The recursive tracer has no passes.
 fn passes(found: &BenchComparison, title: &str) -> Block {
-    let is_timed =
-        |v: &&VariantBench| v.variant.time_passes || v.variant.tracer == TracerKind::Wavefront;
+    let has_passes = |v: &&VariantBench| v.variant.tracer == TracerKind::Wavefront;
     let bar = |v: &VariantBench| {
         let stages = v.passes.iter().filter(|(_, seconds)| *seconds > 0.0);
         (v.label.clone(), stages.map(|&(stage, seconds)| (stage.to_owned(), seconds)).collect())
     };
-    let cost = found.timed().map(|v| {
-        let times = 1.0 / v.ratio.interval.median;
-        format!(
-            " The passes of the recursive tracer were timed in runs of their own. Looking at the clock for each step of \
-             each ray makes these take {times:.2} times as long: the passes are drawn at the length of runs without it."
-        )
-    });
-    let caption = format!("Medians of the runs, summed over threads.{}", cost.unwrap_or_default());
-    let bars: Vec<_> = found.variants.iter().filter(is_timed).map(bar).collect();
-    Block::Chart(Chart::bars(&format!("{title}: time by pass"), &caption, &bars))
+    let caption = "Medians of the runs, summed over threads.";
+    let bars: Vec<_> = found.variants.iter().filter(has_passes).map(bar).collect();
+    Block::Chart(Chart::bars(&format!("{title}: time by pass"), caption, &bars))
 }
 
-/// What passes of both tracers cost for each of what they handle.
-fn costs(wavefront: &VariantBench, recursive: &VariantBench) -> Table {
-    let caption = "Nanoseconds of each pass for one of what it handles, summed over threads. Plain hits are on opaque \
+/// What the passes of the wavefront cost for each of what they handle.
+fn costs(wavefront: &VariantBench) -> Table {
+    let caption = "Nanoseconds of each pass of the wavefront for one of what it handles, summed over threads. Plain hits are on opaque \
                    surfaces without maps, mapped hits on all others: their time is given for each hit and for each look-up.";
     let rows = wavefront.costs.iter().map(|cost| {
-        let same = recursive.costs.iter().find(|other| other.of == cost.of);
         vec![
             Cell::text(cost.pass),
             Cell::text(cost.of),
             Cell::figure(cost.count as f64),
             Cell::decimals(cost.nanoseconds, 1),
-            optional(same.map(|same| same.nanoseconds), 1),
         ]
     });
-    Table::new(caption, "pass|of|>number|>wavefront, ns|>recursive, ns", rows.collect())
+    Table::new(caption, "pass|of|>number|>ns", rows.collect())
 }
 
 /// Tests, rays that are traced together, and the memory of a batch.
