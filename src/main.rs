@@ -116,8 +116,8 @@ fn program() -> clap::Command {
         .after_help(format!("Exit codes:{}", codes.concat()))
 }
 
-/// What other renderers call an option, and what it is here.
-const OTHER_NAMES: [(&str, &[&str]); 9] = [
+/// What other renderers, or older versions, call an option, and what it is here.
+const OTHER_NAMES: [(&str, &[&str]); 12] = [
     ("--samples N", &["--spp", "--sample", "--samples-per-pixel", "--aa", "--antialias"]),
     ("--size WIDTHxHEIGHT", &["--resolution", "--res", "--dimensions", "--image-size"]),
     ("--width PIXELS", &["-w", "-W"]),
@@ -127,9 +127,12 @@ const OTHER_NAMES: [(&str, &[&str]); 9] = [
     ("--crop X,Y,WIDTH,HEIGHT", &["--region", "--window", "--crop-window"]),
     ("--background COLOR", &["--bg", "--background-color"]),
     ("--progress json", &["--verbose", "-v"]),
+    ("--view SIDE, once for each side", &["--sheet"]),
+    ("--metadata none", &["--no-metadata"]),
+    ("--full", &["--side-pixels", "--seeds", "--most", "--reference"]),
 ];
 
-/// The error that an option of another renderer is not here, with the one that is, if the `command` has it.
+/// The error that an option of another renderer, or an older version, is not here, with the one that is, if the `command` has it.
 fn other_name(error: &clap::Error, command: Option<&OsString>) -> Option<Error> {
     let ContextValue::String(given) = error.get(ContextKind::InvalidArg)? else { return None };
     let is_given = |(_, others): &&(&str, &[&str])| others.contains(&given.as_str());

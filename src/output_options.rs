@@ -16,9 +16,6 @@ pub(crate) struct MetadataOptions {
     /// Metadata to write
     #[arg(long, help_heading = FILES, value_enum, default_value_t)]
     pub(crate) metadata: MetadataKind,
-    /// Write no metadata; the same as --metadata none
-    #[arg(long, help_heading = FILES, conflicts_with = "metadata")]
-    pub(crate) no_metadata: bool,
 }
 
 /// What files say of how their image was made.
@@ -27,22 +24,16 @@ pub(crate) enum MetadataKind {
     /// Program, scene, seed, samples and precision, in .exr and .png; independent of tracer and machine
     #[default]
     Auto,
-    /// The same, also in .ppm as comments, which not every reader accepts
-    Scene,
-    /// The same, and the command line
+    /// The same and the command line, also in .ppm as comments, which not every reader accepts
     Full,
     /// Nothing
     None,
 }
 
 impl MetadataOptions {
-    fn kind(&self) -> MetadataKind {
-        if self.no_metadata { MetadataKind::None } else { self.metadata }
-    }
-
     /// Whether an image in this file gets metadata.
     pub(super) fn is_stored_in(&self, file: &Path) -> bool {
-        match (self.kind(), Format::from_path(file)) {
+        match (self.metadata, Format::from_path(file)) {
             (MetadataKind::None, _) | (_, Ok(Format::Pfm)) => false,
             (_, Ok(Format::Ppm)) => self.extras().comments,
             // Animations too.
@@ -53,8 +44,8 @@ impl MetadataOptions {
     /// The metadata of an image with this identity, as far as requested.
     pub(super) fn entries(&self, identity: &Identity) -> Vec<Entry> {
         let command =
-            || (self.kind() == MetadataKind::Full).then(|| words::command(command_words()));
-        match self.kind() {
+            || (self.metadata == MetadataKind::Full).then(|| words::command(command_words()));
+        match self.metadata {
             MetadataKind::None => Vec::new(),
             _ => Provenance { command: command(), ..identity.provenance() }.entries(),
         }
@@ -62,7 +53,7 @@ impl MetadataOptions {
 
     /// How entries are written.
     pub(super) fn extras(&self) -> Extras<'static> {
-        let comments = matches!(self.kind(), MetadataKind::Scene | MetadataKind::Full);
+        let comments = self.metadata == MetadataKind::Full;
         Extras { comments, ..Extras::default() }
     }
 }

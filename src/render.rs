@@ -1,5 +1,6 @@
 //! `render`: renders a scene to an image.
 
+mod animation;
 mod args;
 mod frames;
 mod goal;
@@ -7,11 +8,9 @@ pub(crate) mod look;
 mod once;
 mod outputs;
 mod renderer;
-mod rows;
 mod shard;
 mod show;
 mod statistics;
-mod views;
 
 pub(crate) use args::RenderArgs;
 use args::{Frames, refuse};
@@ -22,7 +21,6 @@ use super::common::tell_error;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_image::animation::Animated;
 use wavecrest_image::farm::Shard;
-use wavecrest_scene::load::framing::Sheet;
 
 /// Renders each scene. Nothing is overwritten before the new image is complete.
 ///
@@ -56,13 +54,12 @@ fn render_scene(args: &RenderArgs) -> Result<()> {
         Job::Image => render_image(args),
         Job::Shard(shard) => shard::render_shard(args, shard),
         Job::Frames(frames, shard) => frames::render_frames(args, frames, shard),
-        Job::Animation(frames, format) => views::render_animation(args, frames, format),
-        Job::Sheet(sheet) => views::render_sheet(args, sheet),
+        Job::Animation(frames, format) => animation::render_animation(args, frames, format),
     }
 }
 
 /// What is made of one scene.
-enum Job<'a> {
+enum Job {
     /// One image.
     Image,
     /// A share of one image, for `wavecrest merge`.
@@ -71,17 +68,15 @@ enum Job<'a> {
     Frames(Frames, Option<Shard>),
     /// A turntable of this many frames in one file.
     Animation(u32, Animated),
-    /// Several sides in one image.
-    Sheet(&'a Sheet),
 }
 
-impl<'a> Job<'a> {
+impl Job {
     /// The job that the arguments describe.
     ///
     /// # Errors
     /// If they name options that cannot be used together.
-    fn of(args: &'a RenderArgs) -> Result<Self> {
-        let (output, shard) = (args.output()?, args.shard()?);
+    fn of(args: &RenderArgs) -> Result<Self> {
+        let (output, shard) = (args.output()?, args.shard);
         if let Some(frames) = args.frames.clone() {
             return Ok(Self::Frames(frames, shard));
         }
@@ -99,21 +94,13 @@ impl<'a> Job<'a> {
             ("--also", !args.also.is_empty()),
             ("--aov", args.aov.is_some()),
         ];
-        match (&args.sheet, turntable) {
-            _ if args.frame.is_some() => {}
-            (Some(sheet), _) => {
-                refuse("--sheet", output, &[&of_image[..], &of_view].concat())?;
-                return Ok(Self::Sheet(sheet));
-            }
-            (None, Some(count)) => {
-                refuse("--turntable", output, &of_image)?;
-                let Some(format) = animated(output) else {
-                    return Ok(Self::Frames(1..=count, shard));
-                };
-                refuse("--turntable", output, &of_view)?;
-                return Ok(Self::Animation(count, format));
-            }
-            (None, None) => {}
+        if let Some(count) = turntable.filter(|_| args.frame.is_none()) {
+            refuse("--turntable", output, &of_image)?;
+            let Some(format) = animated(output) else {
+                return Ok(Self::Frames(1..=count, shard));
+            };
+            refuse("--turntable", output, &of_view)?;
+            return Ok(Self::Animation(count, format));
         }
         match (shard, args.look) {
             (None, _) => Ok(Self::Image),

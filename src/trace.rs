@@ -29,6 +29,7 @@ use wavecrest_scene::mesh;
 /// The results are compared with those in the file. A ray is invalid, and counts as a miss, if it is
 /// not finite, has no direction, or has a coordinate of its origin beyond 2^127.
 #[derive(Clone, Debug, clap::Args)]
+#[command(hide = true)]
 pub(crate) struct TraceArgs {
     /// Mesh (.ply, .obj, .stl)
     #[arg(long, value_name = "FILE")]
@@ -51,7 +52,7 @@ pub(crate) struct TraceArgs {
     /// Traversal
     #[command(flatten)]
     pub(crate) search: SearchOptions,
-    /// TimedPass passes over the rays; the median is reported
+    /// Timed passes over the rays; the median is reported
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = whole(1..=10_000_u32))]
     pub(crate) repeats: u32,

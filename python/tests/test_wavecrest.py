@@ -106,7 +106,7 @@ class Wavecrest(unittest.TestCase):
 
     def test_options_are_those_of_the_command(self):
         path, out, ours = self.ply(), self.folder / "out.png", self.folder / "ours.png"
-        command = ["wavecrest", "-q", path, out, "--no-metadata", "--size", "60x40"]
+        command = ["wavecrest", "-q", path, out, "--metadata", "none", "--size", "60x40"]
         command += ["--samples", "7", "--fit", "0.5", "--view", "30,20", "--background", "transparent"]
         subprocess.run(command, check=True)
         options = {"width": 60, "height": 40, "samples": 7, "fit": 0.5, "background": "transparent"}

@@ -1,19 +1,15 @@
 //! The arguments of `render`.
 
-mod array;
-
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::common::{
-    FILES, FRAMES, IMAGE, LONG, SPEED, SearchOptions, VIEW, above_zero, choice, numbers, output,
-    whole,
+    FILES, FRAMES, IMAGE, LONG, SPEED, SearchOptions, above_zero, choice, numbers, output, whole,
 };
 use crate::input::{SceneOptions, Shown};
 use crate::output_options::{DevelopOptions, MetadataOptions};
 use crate::progress::Style;
-use array::ShardChoice;
 use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_base::replace::make_folder;
@@ -25,7 +21,6 @@ use wavecrest_image::farm::Shard;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::look::Look;
 use wavecrest_image::write::{Develop, Transfer};
-use wavecrest_scene::load::framing::Sheet;
 
 /// Render a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
@@ -81,10 +76,6 @@ pub(crate) struct RenderArgs {
     /// Scene
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
-    /// Show a mesh or a glTF file from several sides in one image, in rows in this order
-    #[arg(long, help_heading = VIEW, value_name = "SIDE,SIDE,...", allow_hyphen_values = true,
-          conflicts_with_all = ["camera", "view", "from", "turntable", "frame", "frames"])]
-    pub(crate) sheet: Option<Sheet>,
     /// Render this frame of the camera's path
     #[arg(long, help_heading = FRAMES, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub(crate) frame: Option<u32>,
@@ -107,10 +98,9 @@ pub(crate) struct RenderArgs {
     /// Resume from the checkpoint, if it exists
     #[arg(long, help_heading = LONG, requires = "checkpoint")]
     pub(crate) resume: bool,
-    /// Render shard I of N to a .part file for `wavecrest merge`; auto or auto/N takes I from Slurm's
-    /// array job
+    /// Render shard I of N to a .part file for `wavecrest merge`
     #[arg(long, help_heading = LONG, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
-    pub(crate) shard: Option<ShardChoice>,
+    pub(crate) shard: Option<Shard>,
     /// Metadata
     #[command(flatten)]
     pub(crate) metadata: MetadataOptions,
@@ -210,11 +200,6 @@ impl RenderArgs {
             layers.push(Layer::Alpha);
         }
         layers
-    }
-
-    /// The shard to render, if requested.
-    pub(super) fn shard(&self) -> Result<Option<Shard>> {
-        self.shard.map(|choice| choice.resolve(|name| std::env::var(name).ok())).transpose()
     }
 
     /// The checkpoint, if requested.

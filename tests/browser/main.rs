@@ -20,6 +20,8 @@ use std::process::Command;
 use chromium::Browser;
 use serde_json::json;
 use tempfile::TempDir;
+use wavecrest_report::accuracy::store::{Store, SweepHeader};
+use wavecrest_report::accuracy::{self, AccuracyReport, sweep};
 use wavecrest_report::page::{Block, Cell, Page, Picture, Section, Table};
 use wavecrest_report::plot::{Chart, ChartAxis, Draw, Guide, Point, Scale, Series};
 
@@ -165,19 +167,18 @@ fn the_answer_of_a_sweep_is_on_the_first_screen() {
     let Some(mut browser) = Browser::start("the answer of a sweep") else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/testareajitter.json");
-    let status = Command::new(env!("CARGO_BIN_EXE_wavecrest"))
-        .current_dir(folder.path())
-        .args(["accuracy", "-q", "-o", "out", "--side-pixels", "32", "--seeds", "4"])
-        .args(["--most", "64", "--reference", "256", "--no-effects", "--errors", "0.03,0.02"])
-        .arg(scene)
-        .status()
-        .expect("it runs");
-    assert!(status.success());
+    let out = folder.path().join("out");
+    let version = env!("CARGO_PKG_VERSION").to_owned();
+    let header = SweepHeader { version, longest: 32, most: 64, least: 256 };
+    let mut store = Store::open(&out, &header).expect("a folder");
+    let mut swept = sweep::run(&[scene], 4, &mut store, &|_| {}).expect("a sweep");
+    let findings = AccuracyReport::new(4, &store, &swept, &[0.03, 0.02]);
+    accuracy::page::write(&findings, &mut swept, &out).expect("a page");
     browser.resize(1280, 800);
     browser.prefer("light");
-    browser.open(&folder.path().join("out/report.html"));
+    browser.open(&out.join("report.html"));
     assert_eq!(browser.complaints, Vec::<String>::new());
-    let text = std::fs::read_to_string(folder.path().join("out/accuracy.json")).expect("JSON");
+    let text = std::fs::read_to_string(out.join("accuracy.json")).expect("JSON");
     let found: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let errors = &found["scenes"][0]["answer"]["errors"];
     for (row, error) in errors.as_array().expect("answers").iter().enumerate() {

@@ -317,3 +317,35 @@ fn a_pilot_that_is_ended_has_no_choice() {
     let reached = reach(&mut scene, None, (0.01, 0), &Ended, |_, _| panic!("nothing to render"));
     assert!(reached.expect("no error").is_none());
 }
+
+/// CSV and page have the figures of the JSON.
+#[test]
+fn a_page_is_written_with_the_same_figures_in_other_forms() {
+    let (folder, file) = (folder(), repository("scenes/testareajitter.json"));
+    let mut store = Store::open(folder.path(), &header(16, 9, 64)).expect("a folder");
+    let mut swept = run(&[file], 2, &mut store, &|_| {}).expect("a sweep");
+    let found = AccuracyReport::new(2, &store, &swept, &ERRORS);
+    page::write(&found, &mut swept, folder.path()).expect("a page");
+    let said = text(&page::summary(&found));
+    assert!(said.starts_with("  testareajitter: Soft shadows at "), "{said}");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect(name);
+    let page = read("report.html");
+    for heading in [
+        "Soft shadows at ",
+        "What each time buys",
+        "Points on lights",
+        "Rays in a pixel",
+        "Cost and accuracy of each precision",
+    ] {
+        assert!(page.contains(heading), "{heading}");
+    }
+    let found: Value = serde_json::from_str(&read("accuracy.json")).expect("JSON");
+    let points = &found["scenes"][0]["families"][0]["series"][0]["points"];
+    assert_eq!(points.as_array().map(Vec::len), Some(3));
+    let csv = read("testareajitter-lights-samples.csv");
+    for point in points.as_array().expect("points") {
+        let value = point["rmse"]["value"].as_f64().expect("a number");
+        assert!(csv.contains(&format!("{value}")), "{value}\n{csv}");
+    }
+    assert!(read("testareajitter-lights-time.svg").starts_with("<svg"));
+}

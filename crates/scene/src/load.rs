@@ -205,7 +205,7 @@ impl LoadedScene {
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
     if options.framing != framing::Framing::default() {
         let error = Error::new(ErrorKind::Usage, "a scene file has its own camera");
-        let remedy = "change \"camera\" in the scene instead of using --view, --from, --up, --fov, --fit, --turntable or --sheet";
+        let remedy = "change \"camera\" in the scene instead of using --view, --from, --up, --fov, --fit or --turntable";
         return Err(error.in_file(file).remedy(remedy));
     }
     let Some(camera) = &options.camera else { return Ok(()) };

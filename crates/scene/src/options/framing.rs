@@ -21,33 +21,6 @@ pub struct Framing {
     pub turntable: Option<u32>,
 }
 
-/// Sides to show in turn.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sheet(pub Vec<Side>);
-
-impl FromStr for Sheet {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let mut words = text.split(',').map(str::trim);
-        let mut sides = Vec::new();
-        while let Some(word) = words.next() {
-            // Two numbers are one side.
-            let is_number = word.parse::<f64>().is_ok();
-            let second = if is_number { words.next() } else { None };
-            let side = second.map_or(word.to_owned(), |second| format!("{word},{second}"));
-            sides.push(side.parse()?);
-        }
-        if sides.len() > MOST_SIDES {
-            return Err(format!("name at most {MOST_SIDES} sides"));
-        }
-        Ok(Self(sides))
-    }
-}
-
-/// Largest number of sides of a sheet.
-const MOST_SIDES: usize = 64;
-
 /// The side from which a file is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Side {

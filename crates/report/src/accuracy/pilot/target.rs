@@ -1,17 +1,16 @@
 //! Renders for a target error: as a pilot chooses, then with more points while the error that the
-//! image may have is above the target. And advice on samples for it: the choices of a pilot, tried.
+//! image may have is above the target.
 
-use std::fmt;
 use std::path::Path;
 use std::time::Instant;
 
-use super::{Chosen, MOST_SIDE, MeasuredError, SAMPLERS, best, choices, measured};
+use super::{Chosen, MOST_SIDE, MeasuredError, SAMPLERS, best, choices};
 use crate::plot::number::figure;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::math::sampling::{Points, Sampling};
-use wavecrest_core::prepared::{PreparedScene, Samples};
-use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
+use wavecrest_core::math::sampling::Points;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{Rendered, Watch};
 
 /// Largest number of renders for one target error.
 const MOST_RENDERS: u32 = 4;
@@ -102,63 +101,11 @@ fn finer(choice: &Chosen, missed: MeasuredError, target: f64) -> Option<Chosen> 
     (wanted <= f64::from(MOST_SIDE)).then_some(Chosen { points, error, seconds, ..*choice })
 }
 
-/// The cost of an error with one sampler.
-#[derive(Clone, Copy, Debug)]
-pub struct Advice {
-    /// The choice, as the pilot expects it.
-    pub choice: Chosen,
-    /// Seconds of tracing the image, and its error; `None` if the choice takes too long to try, or renders do not show it.
-    pub tried: Option<(f64, MeasuredError)>,
-}
-
-/// Choices that take longer than this in seconds are not tried.
-const TRIED: f64 = 5.0;
-
-/// What `error` costs with each sampler: the choices of a pilot, tried on the whole image. The scene
-/// is restored.
-///
-/// # Errors
-/// As [`choices`].
-pub fn advise(scene: &mut PreparedScene, error: f64, seed: u64) -> Result<Vec<Advice>> {
-    let original = scene.original();
-    let mut advice = Vec::new();
-    for choice in choices(scene, &Sampling::ALL, (error, seed), &())? {
-        let mut tried = None;
-        if choice.seconds <= TRIED {
-            scene.resample(&original, &choice.samples());
-            let options = RenderOptions { seed, ..RenderOptions::default() };
-            let rendered = render(scene, &options, &())?;
-            let again = render(scene, &options, &())?.seconds;
-            let error = measured(scene, &rendered, seed, &())?;
-            tried = error.map(|error| (rendered.seconds.min(again), error));
-        }
-        advice.push(Advice { choice, tried });
-    }
-    scene.resample(&original, &Samples::default());
-    Ok(advice)
-}
-
-impl Advice {
-    /// Seconds of tracing: measured, or expected of a choice that was not tried.
-    pub fn seconds(&self) -> f64 {
-        self.tried.map_or(self.choice.seconds, |(seconds, _)| seconds)
-    }
-}
-
-impl fmt::Display for Advice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some((seconds, found)) = self.tried else {
-            return write!(f, "{} (not measured)", self.choice);
-        };
-        let points = self.choice.axis.counted(self.choice.points);
-        write!(f, "{points}: error {}, {seconds:.3} s of tracing", figure(found.error))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::Axis;
     use super::*;
+    use wavecrest_core::math::sampling::Sampling;
 
     #[test]
     fn a_target_out_of_reach_ends_and_no_step_is_long() {
