@@ -166,9 +166,8 @@ impl RenderArgs {
 
     /// The render options.
     pub(super) fn options(&self) -> RenderOptions {
-        let batch = self.batch as usize;
         let Self { tracer, crop, seed, .. } = *self;
-        RenderOptions { tracer, crop, seed, batch, ..Default::default() }
+        RenderOptions { tracer, crop, seed, batch: self.batch as usize }
     }
 
     /// What the images show.

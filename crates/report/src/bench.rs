@@ -40,7 +40,7 @@
 //! | `..processor_seconds` | seconds | processor time of each run, of all threads (`null` if unknown) |
 //! | `..processors` | | processors that worked on average |
 //! | `..mrays_s` | 10^6 rays / s | rays of every kind, by the median of the seconds |
-//! | `..passes.NAME` | seconds | median time in the pass of the wavefront, summed over threads |
+//! | `..passes.NAME` | seconds | median time in the pass of the wavefront, summed over threads; empty for the recursive tracer |
 //! | `..costs[].pass`, `.of`, `.count`, `.nanoseconds` | | what a pass handles, how many in one run, and its time for each: plain hits are on opaque surfaces without maps, mapped hits on all others |
 //! | `..batch_bytes` | bytes | held for one batch |
 //! | `..tests.nodes`, `.primitives` | tests | in one run, as in [`crate::statistics`] |
