@@ -19,7 +19,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_core::wavefront::batch::Batch;
-use wavecrest_report::expected::{Estimated, Expected};
+use wavecrest_report::expected::Expected;
 use wavecrest_report::statistics::{Rays, Samples};
 use wavecrest_scene::systems::Extracted;
 
@@ -55,7 +55,6 @@ struct Explanation<'a> {
     /// What is measured after the pilot.
     memory: PreparedMemory,
     /// Upper bounds on the work of the render.
-    estimated: Estimated,
     /// The expectation from a pilot.
     expected: Expected,
     /// Seconds measured, without those in which rays build.
@@ -130,7 +129,7 @@ pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
 fn explain(extracted: Extracted, start: Instant, args: &ExplainArgs) -> Result<()> {
     let load = start.elapsed().as_secs_f64();
     let bvh = choice(&extracted, args.scene_options.bvh);
-    let (pixels, batch) = (extracted.pixels(), args.batch as usize);
+    let batch = args.batch as usize;
     let start = Instant::now();
     let scene = &extracted.build(bvh.preset);
     let build = start.elapsed().as_secs_f64();
@@ -144,7 +143,6 @@ fn explain(extracted: Extracted, start: Instant, args: &ExplainArgs) -> Result<(
         bvh,
         chunks,
         memory: PreparedMemory::of(scene, expected.columns),
-        estimated: Estimated::of(scene, pixels),
         expected,
         load,
         build,
@@ -176,7 +174,6 @@ impl Explanation<'_> {
             "chunks": self.chunks,
             "bytes_per_path": buffers(scene),
             "memory": self.memory,
-            "estimated": self.estimated,
             "expected": expected,
             "time": {
                 "threads": rayon::current_num_threads(),
@@ -321,10 +318,10 @@ fn verdict(e: &Explanation<'_>) -> String {
     format!("about {time} s on {threads}: {parts}\nabout {all} rays: {kinds}\n{memory}")
 }
 
-/// A row of a table: two estimates, and what was found of a render.
-fn row(name: &str, [first, second]: [&str; 2], found: Option<&str>) -> String {
+/// A row of a table: an estimate, and what was found of a render.
+fn row(name: &str, estimate: &str, found: Option<&str>) -> String {
     let found = found.map_or_else(String::new, |found| format!("{found:>18}"));
-    format!("{name:<24}{first:>16}{second:>18}{found}\n")
+    format!("{name:<24}{estimate:>16}{found}\n")
 }
 
 /// Estimates, with counts beside them if there are any.
@@ -339,24 +336,18 @@ fn work(e: &Explanation<'_>) -> String {
     ];
     let counts = |rays: &Rays, samples: &Samples| {
         let Rays { primary, secondary, shadow } = *rays;
-        [primary, secondary, shadow, samples.lens, samples.light, samples.texels].map(|count| {
-            match count {
-                u64::MAX => "no bound".to_owned(),
-                _ => grouped(count),
-            }
-        })
+        [primary, secondary, shadow, samples.lens, samples.light, samples.texels].map(grouped)
     };
-    let most = counts(&e.estimated.rays, &e.estimated.samples);
     let expected = counts(&e.expected.rays, &e.expected.samples);
     let rendered = e.rendered.as_ref().map(|rendered| &rendered.counters);
     let rendered = rendered.map(|counters| counts(&counters.into(), &counters.into()));
-    let mut text = row("work", ["at most", "estimate"], rendered.as_ref().map(|_| "counted"));
+    let mut text = row("work", "estimate", rendered.as_ref().map(|_| "counted"));
     for (i, name) in NAMES.iter().enumerate() {
         let counted = rendered.as_ref().map(|counted| counted[i].as_str());
-        text += &row(name, [&most[i], &expected[i]], counted);
+        text += &row(name, &expected[i], counted);
     }
     let traced = e.rendered.as_ref().map(|rendered| seconds(rendered.seconds));
-    text += &row("    seconds to trace", ["", &seconds(e.expected.seconds)], traced.as_deref());
+    text += &row("    seconds to trace", &seconds(e.expected.seconds), traced.as_deref());
     text + &named("", &format!("estimated from {} pixels", grouped(e.expected.pixels)))
 }
 
@@ -370,10 +361,10 @@ fn memory_text(e: &Explanation<'_>) -> String {
         ("    the process", m.held, None),
         ("    its peak", m.peak, found.and_then(|_| memory::peak())),
     ];
-    let mut text = row("memory", ["", "prepared"], found.map(|_| "rendered"));
+    let mut text = row("memory", "prepared", found.map(|_| "rendered"));
     for (name, prepared, rendered) in uses {
         let prepared = prepared.map(size).unwrap_or_default();
-        text += &row(name, ["", &prepared], rendered.map(size).as_deref());
+        text += &row(name, &prepared, rendered.map(size).as_deref());
     }
     text
 }

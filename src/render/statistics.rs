@@ -9,7 +9,6 @@ use super::renderer::Renderer;
 use crate::common::{to_json, write_text};
 use wavecrest_base::error::Result;
 use wavecrest_base::memory;
-use wavecrest_report::expected::Estimated;
 use wavecrest_report::statistics::{Bvh, KernelUse, Memory, Rays, Samples, Tests, Textures};
 
 /// Writes the statistics to `file`.
@@ -39,7 +38,6 @@ pub(super) fn write(file: &Path, renderer: &Renderer<'_, '_>, outcome: &Outcome)
         "rays": Rays::from(counters),
         "samples": Samples::from(counters),
         "textures": Textures::from(&scene.appearance),
-        "estimated": Estimated::of(scene, film.pixels().len() as u64),
         "tests": Tests::from(counters),
         "kernels": KernelUse::from(counters),
         "dropped": scene.dropped,

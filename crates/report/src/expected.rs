@@ -1,5 +1,4 @@
-//! The work of a render before its first ray: bounds on it; and the work and time to expect, from a pilot of some of its
-//! pixels.
+//! The work and time of a render to expect, from a pilot of some of its pixels.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -7,91 +6,19 @@ use std::time::Instant;
 
 use rand::RngExt;
 use rayon::prelude::*;
-use serde::ser::Error as _;
-use serde::{Serialize, Serializer};
-use serde_json::Value;
+use serde::Serialize;
 
 use crate::measure::processor_seconds;
 use crate::statistics::{Rays, Samples};
 use crate::summary::generator;
 use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
-use wavecrest_core::kernels::texture::Filter;
-use wavecrest_core::prepared::{Class, PreparedScene};
+use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::Order;
 use wavecrest_core::render::{
     RenderOptions, Rendered, TracerKind, Watch, camera_rays, render_in_order, work,
 };
 use wavecrest_core::tile::{Tile, TimedPass, Unit};
-
-/// Upper bounds on the counts of a render; they are 0 only for work that cannot occur. Where surfaces
-/// let light through there is no bound on the rays that go on from them: [`u64::MAX`] stands for it, and `null` in JSON.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Estimated {
-    /// Rays by kind.
-    #[serde(serialize_with = "bounds")]
-    pub rays: Rays,
-    /// Samples by kind.
-    #[serde(serialize_with = "bounds")]
-    pub samples: Samples,
-}
-
-/// Writes counts, and `null` where there is no bound.
-fn bounds<T: Serialize, S: Serializer>(
-    counts: &T,
-    serializer: S,
-) -> std::result::Result<S::Ok, S::Error> {
-    let mut counts = serde_json::to_value(counts).map_err(S::Error::custom)?;
-    for count in counts.as_object_mut().into_iter().flat_map(|counts| counts.values_mut()) {
-        if *count == u64::MAX {
-            *count = Value::Null;
-        }
-    }
-    counts.serialize(serializer)
-}
-
-impl Estimated {
-    /// The bounds for a render of this number of `pixels` of `scene`: every camera ray is traced and meets
-    /// mirrors up to the largest number of bounces, every hit samples all lights, and every hit is
-    /// on the shape whose textures read the most texels.
-    pub fn of(scene: &PreparedScene, pixels: u64) -> Self {
-        let primary = pixels * u64::from(scene.camera.rays_per_pixel());
-        let mirrored = primary.saturating_mul(u64::from(scene.bounces));
-        let is_divided = scene.plan.schedule().has_transmission();
-        let secondary = if is_divided { u64::MAX } else { mirrored };
-        let hits = primary.saturating_add(secondary);
-        let points = |sampled_alone: bool| -> u64 {
-            let lights = scene.lights.iter().filter(|l| !sampled_alone || l.is_sampled());
-            lights.map(|light| u64::from(light.samples())).sum()
-        };
-        let most = |count: fn(Filter) -> u64| -> u64 {
-            let of = |class: &Class| {
-                let textures = class.maps.iter().filter_map(|map| map.texture.as_ref());
-                textures.map(|texture| count(texture.filter)).sum()
-            };
-            scene.appearance.classes.iter().map(of).max().unwrap_or(0)
-        };
-        let texels = most(|filter| filter.texels() * filter.levels());
-        let spreads = most(|filter| u64::from(filter == Filter::Trilinear));
-        let is_colored = scene.appearance.shapes.iter().any(|shape| shape.colored);
-        let colors = if is_colored { hits } else { 0 };
-        let carried = if scene.carries_differentials() { secondary } else { 0 };
-        let footprints = hits.saturating_mul(spreads).saturating_add(carried);
-        let shadow = hits.saturating_mul(points(false));
-        let light = hits.saturating_mul(points(true));
-        let lens = if scene.camera.has_lens() { primary } else { 0 };
-        Self {
-            rays: Rays { primary, secondary, shadow },
-            samples: Samples {
-                lens,
-                light,
-                colors,
-                texels: hits.saturating_mul(texels),
-                footprints,
-            },
-        }
-    }
-}
 
 /// The sides of a grid of pixels that tells how many rays a path has, and, at least and at most, of the pilot's own, which
 /// has about so many rays.

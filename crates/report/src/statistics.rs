@@ -10,7 +10,6 @@
 //! | `samples.colors` | | hits whose colour was interpolated between vertices |
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for rays from surfaces that may show them |
 //! | `textures.images`, `.decoded`, `.bytes`, `.invalid` | | images that may be visible, those decoded for a look-up, their bytes, and how many of their numbers are not finite and count as 0 |
-//! | `estimated.rays`, `.samples` | | upper bounds on these before the first ray, 2^64 - 1 for none: see [`Estimated`](crate::expected::Estimated) |
 //! | `tests.nodes` | nodes | inner nodes visited, by one ray or several together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
 //! | `tests.cutouts` | tests | hits on cut-outs that would replace the ray's best, each with a look-up of alpha |

@@ -174,11 +174,6 @@ impl Extracted {
         &self.scene
     }
 
-    /// Number of pixels of the whole image.
-    pub fn pixels(&self) -> u64 {
-        self.scene.camera.size().map(u64::from).iter().product()
-    }
-
     /// The preset that is likely to finish first.
     pub fn preset(&self) -> Preset {
         Preset::choose(self.geometry().held() as u64, self.scene.expected_rays())

@@ -14,11 +14,6 @@ fn statistics_have_every_key_that_their_documentation_names() {
     }
     let time = |key: &str| found["time"][key].as_f64().expect("seconds");
     assert!(time("total") >= time("trace"));
-    for key in ["secondary", "shadow"] {
-        let [most, rays] =
-            [&found["estimated"]["rays"][key], &found["rays"][key]].map(|n| n.as_u64());
-        assert!(most >= rays && rays > Some(0), "{key}");
-    }
 }
 
 #[test]

@@ -253,14 +253,6 @@ impl Filter {
             Self::Bilinear | Self::Trilinear => TEXELS_BETWEEN,
         }
     }
-
-    /// Largest number of levels that one look-up reads.
-    pub fn levels(self) -> u64 {
-        match self {
-            Self::Nearest | Self::Bilinear => 1,
-            Self::Trilinear => 2,
-        }
-    }
 }
 
 /// The four texels around each `uv` in an image of this size, weighted.
