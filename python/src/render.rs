@@ -172,12 +172,12 @@ impl Goal {
         match self {
             Self::Scene => {}
             Self::Error(target) => {
-                let aim = (target, rendering.seed);
-                let reached = reach(scene, Some(&mut preset), aim, &until, |scene, _| {
-                    let rendered = api::render(scene, rendering, &until)?;
-                    let found = measured(scene, &rendered, rendering.seed, &until)?;
-                    Ok((rendered, found))
-                })?;
+                let reached =
+                    reach(scene, Some(&mut preset), target, rendering.seed, &until, |scene, _| {
+                        let rendered = api::render(scene, rendering, &until)?;
+                        let found = measured(scene, &rendered, rendering.seed, &until)?;
+                        Ok((rendered, found))
+                    })?;
                 if let Some(reached) = reached {
                     let warning = reached.unreached(target, file);
                     return Ok((reached.rendered, warning));

@@ -81,7 +81,7 @@ fn for_error(
     most: f64,
 ) -> Result<Option<AimedRender>> {
     let args = target.args;
-    let reached = reach(scene, tree, (most, args.seed), &UntilSignal(None), |scene, choice| {
+    let reached = reach(scene, tree, most, args.seed, &UntilSignal(None), |scene, choice| {
         target.say(&format!("chosen: {choice}"));
         let (rendered, _) = render_once(target, scene, None)?;
         let found = measure(target, scene, &rendered, &UntilSignal(None))?;
@@ -91,7 +91,7 @@ fn for_error(
     warn(reached.unreached(most, &args.scene).as_slice());
     let Reached { choice, rendered, found, renders, pilot, .. } = reached;
     target.say(&format!("pilot: {pilot:.2} s"));
-    Ok(Some(aimed(scene, rendered, format!("error {most}"), &choice, found, (renders, pilot))))
+    Ok(Some(aimed(scene, rendered, format!("error {most}"), &choice, found, renders, pilot)))
 }
 
 /// Renders within so many seconds from `start` on.
@@ -125,7 +125,7 @@ fn within(
         target.say(&format!("chosen: {choice}"));
     }
     let found = measure(target, scene, &rendered, &UntilSignal(Some(budget)))?;
-    Ok(aimed(scene, rendered, format!("{seconds} s"), &choice, found, (renders, 0.0)))
+    Ok(aimed(scene, rendered, format!("{seconds} s"), &choice, found, renders, 0.0))
 }
 
 /// The measured error of a finished render, if there is one and `until` does not end the measurement.
@@ -171,7 +171,8 @@ fn aimed(
     requested: String,
     choice: &Chosen,
     found: Option<MeasuredError>,
-    (renders, pilot): (u32, f64),
+    renders: u32,
+    pilot: f64,
 ) -> AimedRender {
     let goal = json!({
         "asked": requested,

@@ -217,8 +217,7 @@ impl<'a> Painter<'a> {
         if let Some(half) = figures["halves"].get_mut(index) {
             (half["next"], half["rests"]) = (json!(words), json!(false));
         }
-        let showing =
-            Showing::new(self.exchange, index, size, (self.ready.transfer, moves), figures);
+        let showing = Showing::new(self.exchange, index, size, self.ready.transfer, moves, figures);
         let (scene, options) = (&self.ready.scene, &self.ready.options(self.args, half.tracer));
         let rendered = match self.look {
             None => render(scene, options, &showing)?,

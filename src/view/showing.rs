@@ -62,7 +62,8 @@ impl<'a> Showing<'a> {
         exchange: &'a Exchange,
         half: usize,
         size: [u32; 2],
-        (transfer, moves): (Transfer, bool),
+        transfer: Transfer,
+        moves: bool,
         figures: Value,
     ) -> Self {
         let pixels = vec![[0; 4]; size[0] as usize * size[1] as usize];
@@ -132,7 +133,7 @@ mod tests {
     #[test]
     fn images_have_a_head_and_what_is_not_finished_is_transparent() {
         let exchange = Exchange::new();
-        let showing = Showing::new(&exchange, 1, [2, 2], (Transfer::Linear, true), Value::Null);
+        let showing = Showing::new(&exchange, 1, [2, 2], Transfer::Linear, true, Value::Null);
         let right = Tile { x: 1, y: 1, width: 1, height: 1 };
         let pixels = &mut [[0; 4]; 4];
         showing.keep(pixels, &right, &[255, 0, 51]);

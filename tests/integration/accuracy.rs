@@ -233,14 +233,13 @@ fn errors_are_reached(asked: f64, seeds: u64) {
     let (mut runs, mut missed) = (0, Vec::new());
     for (name, mut scene) in scenes {
         let original = scene.original();
-        let aim = (asked / 12.0, 99);
-        let reference = choices(&mut scene, &[Sampling::Sobol], aim, &());
+        let reference = choices(&mut scene, &[Sampling::Sobol], asked / 12.0, 99, &());
         let reference = reference.expect("a pilot")[0];
         scene.resample(&original, &reference.samples());
         let reference = render_on(2, &scene, &RenderOptions { seed: 99, ..options() }).film;
         for seed in 0..seeds {
             scene.resample(&original, &Samples::default());
-            let reached = reach(&mut scene, None, (asked, seed), &(), |scene, _| {
+            let reached = reach(&mut scene, None, asked, seed, &(), |scene, _| {
                 let rendered = render_on(2, scene, &RenderOptions { seed, ..options() });
                 let found = measured(scene, &rendered, seed, &())?;
                 Ok((rendered, found))
@@ -269,7 +268,7 @@ fn an_error_that_does_not_fall_ends_the_renders_and_is_told() {
     let camera = with(pinhole([64, 48], 90.0, 6.0), "antialias", 2);
     let mut scene = prepare(&scene(0, &camera, &[light], &[ceiling]));
     let mut sides = vec![32];
-    let reached = reach(&mut scene, None, (0.001, 0), &(), |scene, choice| {
+    let reached = reach(&mut scene, None, 0.001, 0, &(), |scene, choice| {
         sides.push(choice.points.side);
         let rendered = render_on(2, scene, &options());
         let found = measured(scene, &rendered, 0, &())?;
@@ -314,7 +313,7 @@ fn a_pilot_that_is_ended_has_no_choice() {
         }
     }
     let mut scene = extract_small(&repository("scenes/DoF.json"), 64, u64::MAX).build(Preset::Fast);
-    let reached = reach(&mut scene, None, (0.01, 0), &Ended, |_, _| panic!("nothing to render"));
+    let reached = reach(&mut scene, None, 0.01, 0, &Ended, |_, _| panic!("nothing to render"));
     assert!(reached.expect("no error").is_none());
 }
 

@@ -120,7 +120,8 @@ fn extrapolated(errors: &[(f64, f64)], count: f64) -> f64 {
 pub fn choices(
     scene: &mut PreparedScene,
     samplers: &[Sampling],
-    (error, seed): (f64, u64),
+    error: f64,
+    seed: u64,
     watch: &dyn Watch,
 ) -> Result<Vec<Chosen>> {
     let original = &scene.original();
@@ -129,7 +130,7 @@ pub fn choices(
     let share = 1.0 / samplers.len() as f64;
     let mut choices = Vec::new();
     for &sampling in samplers {
-        let chosen = choose(scene, original, sampling, (error, seed, share), watch)?;
+        let chosen = choose(scene, original, sampling, error, seed, share, watch)?;
         scene.resample(original, &chosen.samples());
         let options = RenderOptions { seed: pilot_seed(seed, 0), ..RenderOptions::default() };
         let all = camera_rays(scene, &options)?;
@@ -165,7 +166,9 @@ fn choose(
     scene: &mut PreparedScene,
     original: &Original,
     sampling: Sampling,
-    (error, seed, share): (f64, u64, f64),
+    error: f64,
+    seed: u64,
+    share: f64,
     watch: &dyn Watch,
 ) -> Result<Chosen> {
     let axis = Axis::of(&Facts::of(scene));

@@ -22,7 +22,7 @@ pub(super) const CLOSED: usize = GLOBES.len() * PLACES.len();
 fn globe(rng: &mut InputRng) -> Closed {
     let (size, bumps) = GLOBES[rng.index % GLOBES.len()];
     let (scale, offset) = PLACES[rng.index / GLOBES.len() % PLACES.len()];
-    Closed::new(rng, size, bumps, (DVec3::splat(scale), offset))
+    Closed::new(rng, size, bumps, DVec3::splat(scale), offset)
 }
 
 /// Case 1.
@@ -49,7 +49,7 @@ pub(super) fn vertices(rng: &mut InputRng) -> World {
 pub(super) fn needles(rng: &mut InputRng) -> World {
     let thin = [1e-4, 1e-6][rng.index % 2];
     let scale = DVec3::new(thin, 1.0, 1.0 / thin);
-    let closed = Closed::new(rng, [16, 24], 0.0, (scale, Vec3::ZERO));
+    let closed = Closed::new(rng, [16, 24], 0.0, scale, Vec3::ZERO);
     World::new(closed.geometry.clone(), ALL_HIT, move |rng| {
         let origin = closed.inside(rng);
         let target = (rng.direction() * scale).as_vec3();

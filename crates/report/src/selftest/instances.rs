@@ -30,7 +30,7 @@ fn instances(prototype: Geometry, places: impl IntoIterator<Item = DAffine3>) ->
 /// is hit, and others do not touch each other.
 fn closed(rng: &mut InputRng) -> (Geometry, Closed) {
     let size = rng.magnitude(1e-2, 1e2);
-    let closed = Closed::new(rng, [5, 8], 0.3, (DVec3::splat(size), Vec3::ZERO));
+    let closed = Closed::new(rng, [5, 8], 0.3, DVec3::splat(size), Vec3::ZERO);
     let place = |number: u32| {
         // By up to 4 along each axis: they stay within 8 sizes of their places, which are 20 apart.
         let stretched = DVec3::from([(); 3].map(|()| rng.magnitude(0.25, 4.0)));

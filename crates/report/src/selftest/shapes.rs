@@ -67,7 +67,8 @@ impl Closed {
         rng: &mut InputRng,
         [rings, segments]: [u32; 2],
         bumps: f64,
-        (scale, offset): (DVec3, Vec3),
+        scale: DVec3,
+        offset: Vec3,
     ) -> Self {
         let mut unscaled = Vec::new();
         let mut add = |polar: f64, turn: f64| {

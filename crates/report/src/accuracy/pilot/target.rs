@@ -54,13 +54,14 @@ impl Reached {
 pub fn reach(
     scene: &mut PreparedScene,
     mut preset: Option<&mut Preset>,
-    (target, seed): (f64, u64),
+    target: f64,
+    seed: u64,
     watch: &dyn Watch,
     mut render: impl FnMut(&PreparedScene, &Chosen) -> Result<(Rendered, Option<MeasuredError>)>,
 ) -> Result<Option<Reached>> {
     let original = scene.original();
     let start = Instant::now();
-    let choices = choices(scene, SAMPLERS, (target, seed), watch)?;
+    let choices = choices(scene, SAMPLERS, target, seed, watch)?;
     let pilot = start.elapsed().as_secs_f64();
     let Some(mut choice) = best(&choices, target) else { return Ok(None) };
     let (mut renders, mut before) = (0, f64::INFINITY);
