@@ -204,7 +204,7 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<(&'static str, String)> {
     let kinds = kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n, name));
     let (load, build, preset) = (setting.time.load, setting.time.build, setting.preset.name());
     let (path, batch) = (scene.bytes_per_path, setting.batch);
-    let cache = |c: &Cache| format!(", L{} of {}", c.level, kibibytes(c.bytes));
+    let cache = |c: &Cache| format!(", L{} of {}", c.level, size(c.bytes));
     let caches: String = machine.caches.iter().map(cache).collect();
     let kernel = format!("kernel {}, {}", setting.kernel.name(), setting.simd.name());
     let peak = scene.memory.peak.map(|peak| format!("{}, whole process so far", Size(peak)));
@@ -222,9 +222,11 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// A number of bytes in the unit of caches.
-fn kibibytes(bytes: u64) -> String {
-    format!("{} KiB", figure(bytes as f64 / 1024.0))
+/// A number of bytes in units of 1024, as of caches.
+fn size(bytes: u64) -> String {
+    let (kibi, mebi) = (bytes as f64 / 1024.0, bytes as f64 / 1_048_576.0);
+    let (value, unit) = if kibi < 1024.0 { (kibi, "KiB") } else { (mebi, "MiB") };
+    format!("{} {unit}", figure((10.0 * value).round() / 10.0))
 }
 
 /// The machine.

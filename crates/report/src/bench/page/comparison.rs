@@ -1,6 +1,6 @@
 //! The blocks of one comparison.
 
-use super::kibibytes;
+use super::size;
 use crate::bench::compare::{BenchComparison, VariantBench};
 use crate::bench::machine::Machine;
 use crate::bench::variant::Varied;
@@ -153,10 +153,7 @@ fn work(found: &BenchComparison, rays: &Rays, machine: &Machine) -> Table {
         cells.extend([closest.rays_a_node, closest.rays_a_round].map(|rays| optional(rays, 1)));
         let state = v.batch_bytes;
         let held = machine.holds(state, v.variant.threads).filter(|_| state > 0);
-        cells.push(Cell::number(
-            state as f64,
-            if state > 0 { kibibytes(state) } else { String::new() },
-        ));
+        cells.push(Cell::number(state as f64, if state > 0 { size(state) } else { String::new() }));
         cells.push(Cell::text(held.unwrap_or_default()));
         cells
     })
