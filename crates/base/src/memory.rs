@@ -262,15 +262,16 @@ mod tests {
         for stage in Stage::ALL {
             stage.begin();
             assert_eq!(Stage::now(), stage);
-            assert_eq!(activity().to_string(), stage.name());
         }
+        // Other tests have activities, too.
+        let is_noted = |what: &str| activity().to_string().contains(what);
         let first = Activity::new("reading a.png".to_owned());
         let second = Activity::new("reading b.ply".to_owned());
-        assert_eq!(activity().to_string(), "reading a.png, reading b.ply");
+        assert!(is_noted("reading a.png") && is_noted("reading b.ply"));
         drop(first);
-        assert_eq!(activity().to_string(), "reading b.ply");
+        assert!(!is_noted("reading a.png") && is_noted("reading b.ply"));
         drop(second);
-        assert_eq!(activity().to_string(), Stage::now().name());
+        assert!(!is_noted("reading b.ply") && !activity().to_string().is_empty());
     }
 
     /// Threads tell in steps what they take and free, and nothing is lost in between.
