@@ -139,6 +139,9 @@ impl<'a> Numbers<'a> {
         if self.encoding != BodyEncoding::Ascii {
             return Ok(with_type!(kind, N => f64::from(N::from_le_bytes(self.bytes()?))));
         }
+        if let Some(value) = self.quick(kind)? {
+            return Ok(value);
+        }
         let word = self.word()?;
         parse(word, kind).ok_or_else(|| malformed(word))
     }
@@ -252,8 +255,8 @@ impl<'a> Numbers<'a> {
             let text = self.ahead()?;
             let length = text.iter().take_while(|b| blank(**b)).count();
             let (next, is_end) = (text.get(length).copied(), text.is_empty());
-            let lines = text[..length].iter().filter(|b| **b == b'\n').count();
-            self.line += lines as u64;
+            let lines = line_ends(&text[..length]);
+            self.line += lines;
             self.consume(length as u64);
             if next.is_some() || is_end {
                 return Ok(next);
@@ -275,6 +278,24 @@ impl<'a> Numbers<'a> {
         self.consume(length as u64);
         Ok(&self.buffer[self.at - length..self.at])
     }
+
+    /// The next number, if it has a simple form and lies within the buffer. Otherwise nothing is
+    /// read.
+    fn quick(&mut self, kind: Scalar) -> Result<Option<f64>> {
+        let text = self.ahead()?;
+        let blank = text.iter().take_while(|b| is_blank(**b)).count();
+        let (blanks, text) = text.split_at(blank);
+        let found = match kind {
+            Scalar::F32 => number::leading(text).map(|(v, length)| (f64::from(v), length)),
+            _ => number::leading_whole(text).map(|(v, length)| (f64::from(v), length)),
+        };
+        let found = found.filter(|f| text.get(f.1).is_some_and(|b| is_blank(*b)));
+        let Some((value, length)) = found else { return Ok(None) };
+        let lines = line_ends(blanks);
+        self.line += lines;
+        self.consume((blank + length) as u64);
+        Ok(Some(value))
+    }
 }
 
 /// The error of a malformed number.
@@ -287,13 +308,14 @@ fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t'..=b'\r')
 }
 
+fn line_ends(text: &[u8]) -> u64 {
+    text.iter().filter(|b| **b == b'\n').count() as u64
+}
+
 /// A number of the type `kind`, rounded once.
-fn parse(word: &[u8], kind: Scalar) -> Option<f64> {
+fn parse(token: &[u8], kind: Scalar) -> Option<f64> {
     if kind == Scalar::F32 {
-        return number::parse(word).map(f64::from);
+        return number::parse(token).map(f64::from);
     }
-    match number::leading_whole(word) {
-        Some((whole, length)) if length == word.len() => Some(whole.into()),
-        _ => std::str::from_utf8(word).ok()?.parse().ok(),
-    }
+    std::str::from_utf8(token).ok()?.parse().ok()
 }
