@@ -29,6 +29,11 @@ const MAX_METADATA: u64 = 8 << 20;
 /// The first bytes of a KTX2 file, which glTF files may have.
 const KTX2: &[u8] = b"\xABKTX 20\xBB";
 
+/// The content of an image file. Decoders read it as such, so that each is compiled once.
+pub trait Content: BufRead + Seek {}
+
+impl<T: BufRead + Seek> Content for T {}
+
 /// Runs `work` with the decoder of an image file, which has read only the header, and with what makes
 /// an error about the file from that of the decoder. `what` names the file in messages; a format
 /// without a magic number is known by its `path`. `open` gives the content and its length in bytes.
@@ -36,11 +41,11 @@ const KTX2: &[u8] = b"\xABKTX 20\xBB";
 /// # Errors
 /// If the file cannot be opened, the format is unknown, the header is malformed, there are no pixels,
 /// or more than allowed or than a file of this length can hold; or if `work` fails.
-pub fn decode<C: BufRead + Seek, R>(
+pub fn decode<'a, R>(
     what: &str,
     path: Option<&Path>,
-    open: impl FnOnce() -> io::Result<(C, u64)>,
-    work: impl FnOnce(Box<dyn ImageDecoder + '_>, &dyn Fn(ImageError) -> Error) -> Result<R>,
+    open: impl FnOnce() -> io::Result<(Box<dyn Content + 'a>, u64)>,
+    work: impl FnOnce(Box<dyn ImageDecoder + 'a>, &dyn Fn(ImageError) -> Error) -> Result<R>,
 ) -> Result<R> {
     let is_packed = Cell::new(false);
     let fail = |error| cannot_read(what, error, is_packed.get());
@@ -57,7 +62,7 @@ pub fn decode<C: BufRead + Seek, R>(
 
 /// The decoder of the format of the first bytes, or else of the extension.
 fn decoder<'a>(
-    content: impl BufRead + Seek + 'a,
+    content: Box<dyn Content + 'a>,
     path: Option<&Path>,
 ) -> ImageResult<Box<dyn ImageDecoder + 'a>> {
     let mut reader = ImageReader::new(content);

@@ -36,7 +36,7 @@ fn read_unnamed(path: &Path) -> Result<Film> {
     if netpbm::is_netpbm(start) {
         return netpbm::read(&mut source, length);
     }
-    decoder::decode("the image", Some(path), || Ok((source, length)), film)
+    decoder::decode("the image", Some(path), || Ok((Box::new(source), length)), film)
 }
 
 /// Opens a regular file; `what` names its kind in messages. A pipe is refused before it is opened, which would
@@ -233,7 +233,7 @@ mod tests {
         let length = bytes.len() as u64;
         let read = match netpbm::is_netpbm(bytes) {
             true => netpbm::read(&mut { bytes }, length),
-            false => decoder::decode("it", None, || Ok((Cursor::new(bytes), length)), film),
+            false => decoder::decode("it", None, || Ok((Box::new(Cursor::new(bytes)), length)), film),
         };
         let told = read.map_or_else(|error| error.to_string(), |_| String::new());
         assert!(!told.contains("the decoder failed"), "{told}");

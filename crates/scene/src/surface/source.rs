@@ -2,9 +2,11 @@
 
 use std::fs::File;
 use std::hash::{Hash, Hasher};
-use std::io::{self, BufRead, BufReader, Seek};
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+use wavecrest_image::decoder::Content;
 
 /// The source of a texture's image.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,11 +59,6 @@ impl TextureSource {
         })
     }
 }
-
-/// The content of an image file.
-pub(crate) trait Content: BufRead + Seek {}
-
-impl<T: BufRead + Seek> Content for T {}
 
 /// Without the bytes: no two images have the same name.
 impl Hash for TextureSource {
