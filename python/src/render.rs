@@ -145,7 +145,8 @@ impl Job {
         let options = api::ExtractOptions { precision, ..Default::default() };
         let extracted = api::extract(loaded.world, options)?;
         let (preset, file) = (extracted.preset(), extracted.file().to_owned());
-        let film = extracted.pixels() * size_of::<[f32; 3]>() as u64;
+        let pixels: u64 = extracted.scene().camera.size().map(u64::from).iter().product();
+        let film = pixels * size_of::<[f32; 3]>() as u64;
         check_room(tree_bytes(extracted.geometry().held()) + film, "the render")?;
         let mut scene = extracted.build(preset);
         loaded.warnings.extend(api::warnings(&scene, &file));

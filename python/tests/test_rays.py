@@ -236,12 +236,12 @@ class Rays(unittest.TestCase):
     def test_meshes_are_pickled_and_copied(self):
         vertices, faces = self.soup(30)
         for kind in (np.float64, np.float32):
-            mesh = wavecrest.Mesh(vertices.astype(kind), faces, bvh="slow")
+            mesh = wavecrest.Mesh(vertices.astype(kind), faces, bvh="medium")
             again = pickle.loads(pickle.dumps(mesh))
             np.testing.assert_array_equal(again.vertices, vertices.astype(kind))
             ray = np.zeros((1, 3), kind), np.ones((1, 3), kind)
             self.assertEqual(again.closest(*ray)[1].dtype, kind)
-            self.assertEqual(repr(again), '<wavecrest.Mesh(vertices.shape=(90, 3), faces.shape=(30, 3), bvh="slow")>')
+            self.assertEqual(repr(again), '<wavecrest.Mesh(vertices.shape=(90, 3), faces.shape=(30, 3), bvh="medium")>')
             self.assertIs(copy.copy(mesh), mesh)
             self.assertIs(copy.deepcopy(mesh), mesh)
             self.assertIn(repr(again), repr(copy.deepcopy(again.ray)))
