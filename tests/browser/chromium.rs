@@ -266,7 +266,9 @@ impl Browser {
             json!({"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1});
         let parameters = json!({"format": "png", "clip": clip, "captureBeyondViewport": true});
         let taken = self.call("Page.captureScreenshot", parameters);
-        kept(&taken, file)
+        let bytes = decoded(&taken);
+        std::fs::write(file, &bytes).expect("the folder is there");
+        image::load_from_memory(&bytes).expect("a PNG").to_rgb8()
     }
 
     /// What a canvas shows.
@@ -299,13 +301,6 @@ impl Drop for Browser {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
-}
-
-/// The picture in an answer, once it is written to a file.
-fn kept(answer: &Value, file: &Path) -> image::RgbImage {
-    let bytes = decoded(answer);
-    std::fs::write(file, &bytes).expect("the folder is there");
-    image::load_from_memory(&bytes).expect("a PNG").to_rgb8()
 }
 
 fn decoded(answer: &Value) -> Vec<u8> {

@@ -129,6 +129,14 @@ fn on_page(browser: &mut Browser, selector: &str) -> [u32; 2] {
     [0, 1].map(|index| found[index].as_f64().expect("a number") as u32)
 }
 
+/// Both pictures of the page are seen, side by side.
+fn assert_both_are_seen(browser: &mut Browser, page: &image::RgbImage) {
+    for (place, rgb) in [("first", [200, 0, 0]), ("last", [0, 0, 200])] {
+        let [x, y] = on_page(browser, &format!(".picture:{place}-child img"));
+        assert_eq!(page.get_pixel(x, y).0, rgb, "{place}");
+    }
+}
+
 #[test]
 fn a_page_of_bench_opens_without_complaint_and_asks_no_network() {
     let Some(mut browser) = Browser::start("a page of bench") else { return };
@@ -292,13 +300,7 @@ fn without_javascript_everything_is_there() {
     // Values are in titles, which the browser itself shows.
     let title = browser.evaluate("document.querySelector('.mark title').textContent");
     assert_eq!(title, "stratified\nsamples: 1\nerror: 0.5 (0.4 to 0.7)");
-    // Both pictures are seen, side by side.
-    for (selector, rgb) in
-        [(".picture:first-child img", [200, 0, 0]), (".picture:last-child img", [0, 0, 200])]
-    {
-        let [x, y] = on_page(&mut browser, selector);
-        assert_eq!(picture.get_pixel(x, y).0, rgb, "{selector}");
-    }
+    assert_both_are_seen(&mut browser, &picture);
     // What is shown when asked for needs no script to be asked.
     browser.evaluate("document.querySelector('details.aside').open = true");
     let text = browser.evaluate("document.body.innerText");
@@ -352,11 +354,5 @@ fn on_paper_all_is_dark_on_white_and_open() {
     assert_eq!(browser.evaluate(hidden), true);
     let height = "document.querySelector('details.aside p').getBoundingClientRect().height";
     assert!(browser.evaluate(height).as_f64().is_some_and(|height| height > 0.0), "it is open");
-    // Both pictures are seen, side by side.
-    for (selector, rgb) in
-        [(".picture:first-child img", [200, 0, 0]), (".picture:last-child img", [0, 0, 200])]
-    {
-        let [x, y] = on_page(&mut browser, selector);
-        assert_eq!(picture.get_pixel(x, y).0, rgb, "{selector}");
-    }
+    assert_both_are_seen(&mut browser, &picture);
 }

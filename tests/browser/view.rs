@@ -116,8 +116,14 @@ fn view_follows_pointer_wheel_and_keys_until_the_server_ends() {
 fn scenes_of_view_render_to_what_it_shows() {
     let Some(mut browser) = started("scenes of view") else { return };
     let folder = laid_out();
-    for (inner, file) in [("", "one mesh.obj"), ("scenes/hard", "far-from-origin.json")] {
-        let server = Server::start(&folder.path().join(inner), file, &[]);
+    for (inner, file, options) in [
+        ("", "one mesh.obj", &[][..]),
+        ("scenes/hard", "far-from-origin.json", &[]),
+        ("scenes", "cutouts.json", &["--seed", "5"]),
+        ("scenes", "cutouts.json", &["--as", "clay"]),
+        ("scenes", "cutouts.json", &["--as", "normals"]),
+    ] {
+        let server = Server::start(&folder.path().join(inner), file, options);
         browser.visit(&server.address);
         browser.wait_for("told.state");
         at_rest(&mut browser, &server);
@@ -135,17 +141,6 @@ fn compare(browser: &mut Browser) {
     browser.evaluate("document.querySelector('#compare').click()");
     browser.wait_for(&format!("told.state.halves.length === 2 && {RESTS}"));
     choose(browser, "sampler", "random");
-}
-
-/// A page of a mesh that compares, with its server and the folder of the mesh.
-fn compared(test: &str) -> Option<(Browser, Server, TempDir)> {
-    let mut browser = started(test)?;
-    let folder = laid_out();
-    let server = Server::start(folder.path(), "one mesh.obj", &[]);
-    browser.visit(&server.address);
-    browser.wait_for("told.state");
-    compare(&mut browser);
-    Some((browser, server, folder))
 }
 
 /// Chooses a value of the second half, and waits for its image.
@@ -193,7 +188,12 @@ fn divided(browser: &mut Browser, at: f64) -> Result<(), String> {
 
 #[test]
 fn halves_of_view_are_compared_and_a_pixel_is_followed() {
-    let Some((mut browser, _server, _folder)) = compared("halves of view") else { return };
+    let Some(mut browser) = started("halves of view") else { return };
+    let folder = laid_out();
+    let server = Server::start(folder.path(), "one mesh.obj", &[]);
+    browser.visit(&server.address);
+    browser.wait_for("told.state");
+    compare(&mut browser);
     let place = place(&browser.canvas("#image"));
 
     // The divider follows its range, and the pointer, which leaves the camera alone.
@@ -237,6 +237,15 @@ fn halves_of_view_are_compared_and_a_pixel_is_followed() {
     browser.picture(&pictures().join("view-pixel.png"));
     turn_wheel(&mut browser, point);
     browser.wait_for("document.querySelector('#pixel-note').innerText.includes('click again')");
+
+    // Both halves follow the camera.
+    browser.wait_for(RESTS);
+    drag(&mut browser, point, [point[0] + 90.0, point[1]]);
+    browser.wait_for("told.figures?.halves[0].moving");
+    assert_ne!(browser.evaluate("told.figures.halves[1]?.rests"), true);
+    browser.wait_for(RESTS);
+    browser.evaluate("document.querySelector('#compare').click()");
+    browser.wait_for("document.querySelectorAll('#figures tbody tr:first-child td').length === 1");
     assert_eq!(browser.complaints, Vec::<String>::new());
 }
 
@@ -265,30 +274,4 @@ fn view_in_light_dark_and_narrow_windows() {
     assert!(left >= 0.0 && top >= 0.0 && right <= 400.0, "all of the image is in the window");
     assert!(Some(bottom) <= panels.as_f64(), "the panels hide nothing of the image");
     assert_eq!(browser.complaints, Vec::<String>::new());
-}
-
-#[test]
-fn both_halves_of_view_follow_the_camera() {
-    let Some((mut browser, _server, _folder)) = compared("both halves of view") else { return };
-    let point = middle(place(&browser.canvas("#image")), [40, 60]);
-    drag(&mut browser, point, [point[0] + 90.0, point[1]]);
-    browser.wait_for("told.figures?.halves[0].moving");
-    assert_ne!(browser.evaluate("told.figures.halves[1]?.rests"), true);
-    browser.wait_for(RESTS);
-    browser.evaluate("document.querySelector('#compare').click()");
-    browser.wait_for("document.querySelectorAll('#figures tbody tr:first-child td').length === 1");
-}
-
-#[test]
-fn commands_of_view_have_its_seed_and_its_look() {
-    let Some(mut browser) = started("commands of view") else { return };
-    let folder = laid_out();
-    for options in [["--seed", "5"], ["--as", "clay"], ["--as", "normals"]] {
-        let server = Server::start(&folder.path().join("scenes"), "cutouts.json", &options);
-        browser.visit(&server.address);
-        browser.wait_for("told.state");
-        let image = at_rest(&mut browser, &server);
-        assert_the_same_is_rendered(&mut browser, &server, &image);
-        browser.visit("about:blank");
-    }
 }

@@ -319,6 +319,12 @@ fn an_unwritable_file_is_an_error_before_the_scene_is_read() {
     session("unwritable");
 }
 
+#[test]
+#[cfg(feature = "view")]
+fn what_cannot_be_shown_is_named() {
+    session("view");
+}
+
 /// Each exit code is given where it should be, and told alike in the help, the manual and the guide.
 #[test]
 fn exit_codes_are_documented_alike_everywhere() {

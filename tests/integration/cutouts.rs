@@ -4,18 +4,12 @@ use std::path::Path;
 
 use image::{Rgba, RgbaImage};
 use serde_json::{Value, json};
-use wavecrest_core::film::Film;
-use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::RenderOptions;
-use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
-use wavecrest_scene::load::{LoadOptions, load, load_str};
 use wavecrest_scene::systems::Options;
-use wavecrest_scene::write::write;
 
 use crate::support::{
-    assert_near, both, folder, image_of, matte, options, pinhole, pixel, point_light, ready,
-    ready_by, render_on, scene, sphere, textured_square, wall, with,
+    assert_near, both, edited, folder, image_of, matte, options, pinhole, pixel, point_light,
+    prepare_in, render_on, scene, sphere, wall, with,
 };
 
 /// A folder with an image whose left half is there, green, and whose right half is not.
@@ -26,15 +20,8 @@ fn with_image() -> tempfile::TempDir {
     folder
 }
 
-fn prepared_as(json: &Value, folder: &Path, flat: bool) -> PreparedScene {
-    let file = folder.join("scene.json");
-    let options = LoadOptions { strict: true, ..LoadOptions::default() };
-    let loaded = load_str(&json.to_string(), &file, &options);
-    ready_by(loaded, Options { flat, ..Options::default() })
-}
-
 fn prepared(json: &Value, folder: &Path) -> PreparedScene {
-    prepared_as(json, folder, false)
+    prepare_in(folder, json, Options::default())
 }
 
 fn cut_out(shape: Value) -> Value {
@@ -67,39 +54,15 @@ fn camera_rays_shadow_rays_and_mirror_rays_pass_where_nothing_is() {
         let is_green = |x| pixel(&film, x, 8)[1] > 0.0 && pixel(&film, x, 8)[0] == 0.0;
         let is_red = |x| pixel(&film, x, 8)[0] > 0.0 && pixel(&film, x, 8)[1] == 0.0;
         assert!(is_green(5) && is_red(10), "{json}");
-        let counted = render_on(1, &scene, &RenderOptions { ..options() }).counters.tests.cutouts;
+        let counted = render_on(1, &scene, &options()).counters.tests.cutouts;
         assert!(counted > 0);
         // The lamp stands where the camera does: the wall's shadow is hidden behind it, and seen from its right side.
-        let mut aside = json.clone();
-        aside["camera"]["location"] = json!([6, 0, 6]);
-        aside["camera"]["look"] = json!([1.3, 0, -2]);
-        let shadowed = image_of(&prepared(&aside, folder.path()), 0);
-        let whole = {
-            let mut whole = aside.clone();
-            whole["scene"]["shapes"][0]["alphacutoff"] = 0.into();
-            image_of(&prepared(&whole, folder.path()), 0)
-        };
+        let aside = edited(json, "/camera/location [6, 0, 6]\n/camera/look [1.3, 0, -2]");
+        let whole = edited(aside.clone(), "/scene/shapes/0/alphacutoff 0");
+        let [shadowed, whole] =
+            [aside, whole].map(|json| image_of(&prepared(&json, folder.path()), 0));
         assert!(!shadowed.same_bits(&whole));
     }
-}
-
-/// A sphere, and masks by their brightness.
-#[test]
-fn a_sphere_is_cut_out_by_a_mask() {
-    let folder = folder();
-    let texel = |x, _| image::Luma([if x < 2 { 255_u8 } else { 0 }]);
-    let mask = image::GrayImage::from_fn(4, 4, texel);
-    mask.save(folder.path().join("mask.png")).expect("an image");
-    let ball = sphere([0.0; 3], 1.0, matte(1.0, [0.0, 1.0, 0.0]));
-    let ball = with(with(ball, "alpha", "mask.png"), "filter", "nearest");
-    let lamp = point_light(50.0, [0.0, 0.0, 6.0], [1.0; 3]);
-    let json = scene(0, &pinhole([16, 16], 30.0, 6.0), &[lamp], &[ball]);
-    let scene = prepared(&json, folder.path());
-    assert!(scene.plan.has(Effect::CutOuts) && !scene.plan.has(Effect::Textures));
-    let film = image_of(&scene, 0);
-    // u runs around +y from behind: to the left half of the image the left half of the ball belongs, and on the
-    // right its inside is seen.
-    assert!(pixel(&film, 5, 8)[1] > pixel(&film, 10, 8)[1]);
 }
 
 /// Through the hole of a shell its inside is met, by rays of any kind: opaque, it shades as much as a whole ball;
@@ -133,46 +96,6 @@ fn behind_a_hole_is_the_far_side() {
     }
 }
 
-/// Of glTF files, by their mode; of MTL files, by `map_d`. A converted file has the same image.
-#[test]
-fn files_of_other_formats_are_cut_out() {
-    let folder = with_image();
-    let at = |name: &str| folder.path().join(name);
-    let gltf = textured_square(folder.path(), &["half.png"]);
-    let model = |alpha: f64| json!({"baseColorTexture": {"index": 0}, "metallicFactor": 0, "baseColorFactor": [1, 1, 1, alpha]});
-    for (name, mode, alpha) in [
-        ("mask", "MASK", 1.0),
-        ("blend", "BLEND", 0.6),
-        ("opaque", "OPAQUE", 1.0),
-        ("gone", "MASK", 0.4),
-    ] {
-        let material =
-            json!({"alphaMode": mode, "pbrMetallicRoughness": model(alpha), "doubleSided": true});
-        let gltf = with(gltf.clone(), "materials", json!([material]));
-        std::fs::write(at(&format!("{name}.gltf")), gltf.to_string()).expect("a file");
-    }
-    let options = LoadOptions { width: Some(20), height: Some(16), ..LoadOptions::default() };
-    let background = Some(Background::Color([0.0; 3].into()));
-    let lighting = Lighting { rig: Rig::Headlight, background, ..Lighting::default() };
-    let lit = LoadOptions { lighting, ..options.clone() };
-    let film = |name: &str| -> Film {
-        let options = if name.ends_with(".json") { &options } else { &lit };
-        image_of(&ready(load(&at(name), options)), 0)
-    };
-    let covered = |film: &Film| film.pixels().iter().filter(|p| p[1] > 0.1).count();
-    let whole = covered(&film("opaque.gltf"));
-    for name in ["mask.gltf", "blend.gltf", "m.obj"] {
-        let found = film(name);
-        let share = covered(&found) as f64 / whole as f64;
-        assert!((0.3..0.7).contains(&share), "{name}: {share}");
-        let out = at(&format!("{name}.json"));
-        write(&load(&at(name), &lit).expect("a scene"), &out, false).expect("a scene file");
-        assert!(film(&format!("{name}.json")).same_bits(&found), "{name}");
-    }
-    let gone = load(&at("gone.gltf"), &options).expect("a scene");
-    assert!(gone.notes.iter().any(|note| note.to_string().contains("an invisible surface")));
-}
-
 /// Between texels alpha is weighted, and what is there is what has as much as the threshold.
 #[test]
 fn the_threshold_moves_the_edge() {
@@ -181,12 +104,8 @@ fn the_threshold_moves_the_edge() {
         let shape = with(cut_out(wall(1.0, 0.0, matte(1.0, [0.5; 3]))), "filter", "bilinear");
         let shape = with(with(shape, "wrap", "clamp"), "alphacutoff", cutoff);
         let lamp = point_light(50.0, [0.0, 0.0, 6.0], [1.0; 3]);
-        let json = scene(0, &pinhole([64, 4], 20.0, 5.671_281_819_617_709), &[lamp], &[shape]);
-        let json = with(
-            json,
-            "camera",
-            with(pinhole([64, 4], 20.0, 5.671_281_819_617_709), "fovaxis", "x"),
-        );
+        let camera = with(pinhole([64, 4], 20.0, 5.671_281_819_617_709), "fovaxis", "x");
+        let json = scene(0, &camera, &[lamp], &[shape]);
         let film = image_of(&prepared(&json, folder.path()), 0);
         (0..64).filter(|&x| pixel(&film, x, 2)[1] > 0.26).count() as f64 / 64.0
     };

@@ -121,19 +121,6 @@ fn a_magnified_trilinear_texture_is_bilinear_to_the_last_bit() {
     assert_eq!((simple.texels, simple.footprints), (4 * 24 * 24, 0));
 }
 
-#[test]
-fn a_texture_of_one_colour_is_that_colour_at_any_level() {
-    const COLOR: [f32; 3] = [200.0 / 255.0, 31.0 / 255.0, 77.0 / 255.0];
-    for filter in FILTERS {
-        let scene = plain(0, &over_the_floor([48, 36]), &[floor(300.0, filter)]);
-        let film = image_of(&ready([37, 21], |_, _| COLOR, &scene), 0);
-        let background = BACKGROUND.map(|value| value as f32);
-        let others = film.pixels().iter().filter(|&&p| p != background && p != COLOR).count();
-        assert_eq!(others, 0, "{filter}");
-        assert!(film.pixels().iter().filter(|&&p| p == COLOR).count() > 48 * 10, "{filter}");
-    }
-}
-
 /// Texels from two levels are eight, from one they are four, and all are counted.
 #[test]
 fn minified_textures_read_two_levels() {

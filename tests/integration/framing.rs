@@ -1,8 +1,8 @@
-//! Files without a scene: framed from every side, and gone around. `messages/views.txt` has more.
+//! Files without a scene, framed from every side. `messages/views.txt` has more.
 
 use wavecrest_core::film::Film;
 
-use crate::support::{bytes, film, folder, places, put, run_well};
+use crate::support::{film, folder, places, put, run_well};
 
 /// A low block that is longer than wide, with a small one on its top, and a point far away that no face has.
 const BLOCK: &str = "\
@@ -11,12 +11,6 @@ v -0.5 1 -0.5\nv 0.5 1 -0.5\nv 0.5 2 -0.5\nv -0.5 2 -0.5\n\
 v -0.5 1 0.5\nv 0.5 1 0.5\nv 0.5 2 0.5\nv -0.5 2 0.5\nv 9 9 9\n\
 f 4 3 2 1\nf 5 6 7 8\nf 1 5 8 4\nf 2 3 7 6\nf 4 8 7 3\nf 1 2 6 5\n\
 f 12 11 10 9\nf 13 14 15 16\nf 9 13 16 12\nf 10 11 15 14\nf 12 16 15 11\n";
-
-fn with_block() -> tempfile::TempDir {
-    let folder = folder();
-    put(folder.path(), "block.obj", BLOCK);
-    folder
-}
 
 /// The free part of the image on the left, right, top and bottom of what is not nothing, in shares of its sides.
 fn margins(film: &Film) -> [f64; 4] {
@@ -35,7 +29,8 @@ fn margins(film: &Film) -> [f64; 4] {
 /// Ids show where there is something, whatever light there is.
 #[test]
 fn what_is_seen_fills_the_image_from_every_side_and_at_every_aspect() {
-    let folder = with_block();
+    let folder = folder();
+    put(folder.path(), "block.obj", BLOCK);
     for size in [["60", "60"], ["160", "40"], ["40", "160"]] {
         for side in ["front", "back", "left", "right", "top", "bottom", "iso", "-130,-20"] {
             for (fit, margin) in [("0.92", 0.04), ("0.5", 0.25)] {
@@ -57,15 +52,5 @@ fn what_is_seen_fills_the_image_from_every_side_and_at_every_aspect() {
                 );
             }
         }
-    }
-}
-
-#[test]
-fn a_turn_is_one_file_that_moves() {
-    let folder = with_block();
-    for (name, mark) in [("a.gif", &b"GIF89a"[..]), ("a.png", b"acTL")] {
-        run_well(folder.path(), &["block.obj", name, "--turntable", "3", "-q", "--size", "40x30"]);
-        let file = bytes(folder.path(), name);
-        assert!(file.windows(mark.len()).any(|part| part == mark), "{name}");
     }
 }

@@ -22,6 +22,8 @@ mod studio;
 use std::path::Path;
 
 use base64::Engine as _;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder as _};
 use serde_json::{Value, json};
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
@@ -181,4 +183,34 @@ fn square() -> File {
     file.camera();
     file.light(json!({"type": "point", "intensity": 20}), json!({"translation": [1, 2, 4]}));
     file
+}
+
+/// The square in this material, with a texture of these texels, the top row first, that ends at its edge.
+fn mapped(texels: [[u8; 3]; 4], material: Value) -> File {
+    let mut png = Vec::new();
+    PngEncoder::new(&mut png)
+        .write_image(texels.as_flattened(), 2, 2, ExtendedColorType::Rgb8)
+        .expect("a PNG");
+    let mut file = square();
+    let view = file.view(&png);
+    for (list, value) in [
+        ("images", json!({"bufferView": view, "mimeType": "image/png"})),
+        ("samplers", json!({"magFilter": 9728, "wrapS": 33071, "wrapT": 33071})),
+        ("textures", json!({"source": 0, "sampler": 0})),
+        ("materials", material),
+    ] {
+        file.json[list] = json!([value]);
+    }
+    file
+}
+
+/// The square that shows these texels.
+fn textured_with(texels: [[u8; 3]; 4]) -> File {
+    let shown = json!({"metallicFactor": 0, "baseColorTexture": {"index": 0}});
+    mapped(texels, json!({"pbrMetallicRoughness": shown}))
+}
+
+/// The square with a picture in which every texel is told apart.
+fn textured() -> File {
+    textured_with([[255, 0, 0], [0, 255, 0], [0, 0, 255], [188; 3]])
 }

@@ -1,6 +1,6 @@
 //! The guide says what works: its commands are run, one after the other, in one folder with its scenes.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use crate::support::{folder, repository};
@@ -36,38 +36,25 @@ fn blocks() -> Vec<Block> {
     blocks
 }
 
-/// A folder in which `wavecrest` is the program.
-#[cfg(unix)]
-fn programs(folder: &Path) -> PathBuf {
-    let programs = folder.join("programs");
-    std::fs::create_dir(&programs).expect("a folder");
-    std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_wavecrest"), programs.join("wavecrest"))
-        .expect("a link");
-    programs
-}
-
-/// Runs a line as a shell does.
-fn run(line: &str, folder: &Path, programs: &Path) -> Output {
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let all = std::iter::once(programs.to_owned()).chain(std::env::split_paths(&path));
-    let path = std::env::join_paths(all).expect("folders");
+/// Runs a line as a shell does in which `wavecrest` is the program.
+fn run(line: &str, folder: &Path) -> Output {
+    let line = format!("wavecrest() {{ \"$WAVECREST\" \"$@\"; }}\n{line}");
     let mut shell = Command::new("sh");
-    shell.args(["-euc", line]).env("PATH", path).current_dir(folder);
-    shell.output().expect("the shell runs")
+    shell.args(["-euc", &line]).env("WAVECREST", env!("CARGO_BIN_EXE_wavecrest"));
+    shell.current_dir(folder).output().expect("the shell runs")
 }
 
 #[test]
 #[cfg(unix)]
 fn every_command_of_the_guide_works() {
-    let (programs_folder, folder) = (folder(), folder());
-    let programs = programs(programs_folder.path());
+    let folder = folder();
     let mut commands = 0;
     for Block { mark, text, line } in blocks() {
         match mark.split_whitespace().collect::<Vec<_>>()[..] {
             ["json", file] => std::fs::write(folder.path().join(file), text).expect("a file"),
             ["sh", "run"] => {
                 for command in text.lines() {
-                    let output = run(command, folder.path(), &programs);
+                    let output = run(command, folder.path());
                     let told = String::from_utf8_lossy(&output.stderr);
                     let code = output.status.code();
                     assert_eq!(code, Some(0), "GUIDE.md, line {line}: {command}\n{told}");
@@ -86,17 +73,6 @@ fn every_command_of_the_guide_works() {
     for file in ["ball.png", "knot.png", "all.exr", "map.png", "bench.html"] {
         assert!(folder.path().join(file).is_file(), "{file}");
     }
-}
-
-/// Commands that are not run, for they take minutes or need another program, are few.
-#[test]
-fn most_commands_of_the_guide_are_tried() {
-    let count = |mark: &str| {
-        let blocks = blocks().into_iter().filter(|block| block.mark == mark);
-        blocks.map(|block| block.text.lines().count()).sum::<usize>()
-    };
-    let (tried, not) = (count("sh run"), count("sh"));
-    assert!(tried > 5 * not, "{tried} tried and {not} not");
 }
 
 /// What cannot be run is at least understood: each command and option is there.
@@ -129,14 +105,18 @@ fn the_readme_counts_what_the_self_test_counts() {
     let found = crate::support::run(&repository(""), &scene).stdout;
     let found: serde_json::Value = serde_json::from_slice(&found).expect("JSON");
     let trials = found["scene"]["trials"].as_array().expect("one for each precision");
-    let leaks = |precision: &str| {
+    let counts = |precision: &str, of: &str| {
         let trial = trials.iter().find(|trial| trial["precision"] == precision).expect("a trial");
-        ["tried", "failed"].map(|count| trial["leaks"][count].as_u64().expect("a count"))
+        ["tried", "failed"].map(|count| trial[of][count].as_u64().expect("a count"))
     };
     // Thousands are set apart.
     let grouped = |n: u64| format!("{} {:03}", n / 1000, n % 1000);
-    let ([tried, lost], [also_tried, none]) = (leaks("fast"), leaks("exact"));
+    let ([tried, lost], [also_tried, none]) = (counts("fast", "leaks"), counts("exact", "leaks"));
     assert_eq!((tried, none), (also_tried, 0));
+    for of in ["self_hits", "agreement"] {
+        let [tried, failed] = counts("exact", of);
+        assert!(tried > 10_000 && failed == 0, "{of}: {failed} of {tried}");
+    }
     let words = format!(
         "Of {} rays aimed at triangle edges in `TriMesh.json`, `fast` precision loses {}",
         grouped(tried),

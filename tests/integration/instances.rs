@@ -7,20 +7,15 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::geometry::instance::Instance;
-use wavecrest_core::kernels::precision::Exact;
+use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::slab::Aabb;
-use wavecrest_core::kernels::surface::triangle_at;
-use wavecrest_core::math::float::offset_origin;
 use wavecrest_core::math::random::Stream;
-use wavecrest_core::math::ray::Ray;
-use wavecrest_core::math::vector::{Line, Vector};
-use wavecrest_core::render::RenderOptions;
+use wavecrest_report::selftest::examine::trial;
+use wavecrest_report::selftest::{Count, Effort};
 use wavecrest_scene::generate::{self, Model, Recipe};
 use wavecrest_scene::systems::Options;
 
-use crate::support::{
-    TRACERS, edited, json_in, options, prepare, prepare_in, render_on, repository,
-};
+use crate::support::{edited, json_in, matte, options, prepare, prepare_in, render_on, repository};
 
 /// The scene of `scenes/instances.json`, with this many pixels across.
 fn stones(width: u32) -> Value {
@@ -85,7 +80,6 @@ fn shown(prototype: &Geometry, to_world: DAffine3) -> Accel {
     Accel::new(geometry, Preset::Fast)
 }
 
-/// A ray that leaves a convex instance outward meets nothing more.
 #[test]
 fn no_ray_meets_the_surface_that_it_leaves() {
     let mut recipe = Recipe::new(Model::Sphere, 2000);
@@ -93,90 +87,21 @@ fn no_ray_meets_the_surface_that_it_leaves() {
     let mesh = generate::mesh(&recipe).expect("a mesh");
     let prototype =
         Geometry { positions: mesh.positions, triangles: mesh.triangles, ..Geometry::default() };
-    let mut left = 0_u64;
-    for index in 100..160 {
-        let to_world = transform(index);
-        let accel = shown(&prototype, to_world);
-        let mut traversal = accel.traversal();
-        for k in 0..2000 {
-            let [a, b, c, d] = numbers(1000 * index + k, 7);
-            let [e, f, ..] = numbers(1000 * index + k, 8);
-            let direction = DVec3::new(a - 0.5, b - 0.5, c - 0.5).normalize();
-            let outside = to_world.transform_point3(direction * (2.0 + 100.0 * d)).as_vec3();
-            let inside = to_world.transform_point3(DVec3::new(e, f, a) * 0.5).as_vec3();
-            let ray = Ray::new(outside, inside - outside);
-            let hit = accel.closest(&ray, &mut traversal);
-            assert!(!hit.is_miss(), "transform {index}, ray {k}");
-            let (instance, of_prototype) = match accel.geometry().primitive(hit.primitive) {
-                wavecrest_core::geometry::Primitive::Instanced(shown) => {
-                    let corners = prototype.triangle(shown.triangle as usize);
-                    (&accel.geometry().instances[0], corners)
-                }
-                other => panic!("{other:?}"),
-            };
-            let carried = instance.carried(&ray);
-            let line = Line::from(&carried);
-            let corners = of_prototype.map(Vector::from);
-            let surface = instance.surface(&triangle_at::<f32, Exact>(&line, 0.0, &corners));
-            let [point, error, normal] = surface.vectors();
-            let outward = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-            for sample in 0..8 {
-                let [x, y, z, graze] = numbers(1000 * index + k, 20 + sample);
-                let random = Vec3::new(x as f32 - 0.5, y as f32 - 0.5, z as f32 - 0.5).normalize();
-                let along = random - outward * random.dot(outward);
-                let up = random.dot(outward).abs() * if graze < 0.5 { 1e-3 } else { 1.0 };
-                let direction = (along + outward * up).normalize();
-                let origin = offset_origin(point, error, outward, direction);
-                let next = Ray::new(
-                    origin,
-                    direction * instance.to_world().matrix3.x_axis.length() as f32,
-                );
-                // Neighbours of the triangle lie behind its plane: the prototype is convex.
-                let again = accel.closest(&next, &mut traversal);
-                let own = again.primitive == hit.primitive;
-                assert!(!own, "transform {index}, ray {k}: meets its own triangle at {}", again.t);
-                left += 1;
-            }
-        }
-    }
-    assert!(left > 900_000, "{left}");
-}
-
-/// A scene of one triangle that is shown twice at one place: neither is before the other.
-#[test]
-fn of_instances_at_one_place_the_first_is_seen() {
-    let material =
-        |color: [f64; 3]| json!({"ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": color});
-    let scene = json!({
-        "nbounces": 0,
-        "camera": {"type": "pinhole", "width": 24, "height": 16, "fov": 60, "location": [0.3, 0.2, 5], "look": [0.3, 0.3, 0]},
-        "scene": {
-            "backgroundcolor": [0, 0, 0],
-            "ambient": 1,
-            "lightsources": [{"type": "pointlight", "intensity": 0, "position": [0, 0, 9], "color": [1, 1, 1]}],
-            "shapes": [{
-                "type": "trimesh", "name": "a", "hidden": true, "material": material([0.0, 0.0, 1.0]),
-                "points": [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]], "indices": [[0, 1, 2], [0, 2, 3]]
-            }],
-            "instances": [
-                {"shape": "a", "transform": {"rotate": [0, 0, 30]}, "material": material([1.0, 0.0, 0.0])},
-                {"shape": "a", "transform": {"rotate": [0, 0, 30]}, "material": material([0.0, 1.0, 0.0])}
-            ]
-        }
+    let left = (0..120).map(|index| {
+        let seed = u64::from(index);
+        let effort = Effort { precision: Precision::Exact, seed, count: Count::Brief };
+        let self_hits = trial(&shown(&prototype, transform(index)), &effort).self_hits;
+        assert_eq!(self_hits.failed, 0, "transform {index}: {self_hits:?}");
+        self_hits.tried
     });
-    let ready = prepare(&scene);
-    for tracer in TRACERS {
-        let film = render_on(1, &ready, &RenderOptions { tracer, ..options() }).film;
-        let [red, green]: [usize; 2] =
-            [0, 1].map(|k| film.pixels().iter().filter(|p| p[k] > 0.0).count());
-        assert!(red > 4 && green == 0, "{tracer:?}: {red} red, {green} green");
-    }
+    let left: u64 = left.sum();
+    assert!(left > 200_000, "{left}");
 }
 
 /// Other prototypes than meshes, and a mesh that is shown once, are primitives of the scene's own.
 #[test]
 fn small_forms_are_copied_to_where_they_are_shown() {
-    let material = json!({"ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": [1, 1, 1]});
+    let material = matte(1.0, [1.0; 3]);
     let shapes = json!([
         {"type": "sphere", "name": "ball", "center": [0, 0, 0], "radius": 1, "material": material},
         {"type": "plane", "name": "tile", "points": [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]], "material": material},

@@ -19,7 +19,8 @@ mod transcript;
 // crops and writing it do not change a bit.
 mod parity;
 
-// Random scenes of solids, holes, panes and mirrors at once: one image of each, in any order, with what nothing meets.
+// Random scenes of solids, holes, panes and mirrors at once: one image of each, in any order, with what nothing meets; and
+// of shapes around the eye: leaving out what is out of view changes no bit.
 mod random_scenes;
 
 // Meshes that are held once and shown often: the answers of copies, whatever searches them, without leaks.
@@ -33,7 +34,7 @@ mod parts;
 // Shards and checkpoints: the image of one process, and what does not fit refused by name.
 mod farm;
 
-// Files without a scene: framed from every side, and gone around.
+// Files without a scene, framed from every side.
 mod framing;
 
 // Images agree with formulas worked out here in double precision.
@@ -52,9 +53,6 @@ mod expected;
 
 // Far from the origin: positions are moved in double precision, and rounded once.
 mod far;
-
-// Leaving out what is out of view changes no bit of any scene.
-mod view;
 
 // What cannot be seen costs nothing, by counts, bytes and opened files; what can, what it should.
 mod unseen;

@@ -79,23 +79,6 @@ fn each_face_has_its_material_and_its_picture() {
 }
 
 #[test]
-fn a_file_alone_has_its_materials_and_converts_to_the_same_image() {
-    let folder = written(&[("m.obj", &obj("picture")), ("a b.mtl", MTL)]);
-    let options = LoadOptions { width: Some(24), height: Some(18), ..LoadOptions::default() };
-    let read = |name: &str| {
-        load(&folder.path().join(name), &options).unwrap_or_else(|error| panic!("{error}"))
-    };
-    let alone = film(read("m.obj"));
-    let is_red = |p: &&[f32; 3]| p[0] > 3.0 * p[1];
-    let is_green = |p: &&[f32; 3]| p[1] > 3.0 * p[0];
-    assert!(alone.pixels().iter().filter(is_red).count() > 5);
-    assert!(alone.pixels().iter().filter(is_green).count() > 5);
-    let out = folder.path().join("out.json");
-    wavecrest_scene::write::write(&read("m.obj"), &out, false).expect("a scene");
-    assert!(film(read("out.json")).same_bits(&alone));
-}
-
-#[test]
 fn missing_files_are_named_once_and_their_faces_are_plain() {
     for (files, right) in [
         (vec![("m.obj", obj("picture"))], "the material file \"a\" is missing"),

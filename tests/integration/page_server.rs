@@ -183,26 +183,3 @@ fn the_address_among_the_arguments_of_the_browser_leads_to_the_page_once() {
     assert!(first.starts_with("HTTP/1.1 303 ") && first.contains(&page), "{first}");
     assert!(ask().starts_with("HTTP/1.1 404 "));
 }
-
-#[test]
-fn what_cannot_be_shown_is_named() {
-    let folder = folder();
-    put(folder.path(), "half.json", r#"{"camera":"#);
-    put(folder.path(), "t.png", b"\x89PNG\r\n\x1a\n");
-    let textured = with(sphere([0.0; 3], 1.0, matte(1.0, [1.0; 3])), "texture", "t.png");
-    let broken = plain(0, &pinhole([8, 8], 40.0, 5.0), &[textured]);
-    put(folder.path(), "broken.json", broken.to_string());
-    put(folder.path(), "whole.ply", "ply\n");
-    for (arguments, named) in [
-        (["none.json"].as_slice(), "none.json: "),
-        (&["."], ".: "),
-        (&["half.json"], "half.json: "),
-        (&["broken.json"], "t.png"),
-        (&["whole.ply"], "whole.ply: "),
-    ] {
-        let output = run(folder.path(), &[&["view", "--no-open"], arguments].concat());
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
-        assert!(told.contains("error: ") && told.contains(named), "{arguments:?}: {told}");
-    }
-}

@@ -40,14 +40,14 @@ pub(crate) fn effect(name: &str) -> Effect {
 impl Set {
     const NUMBER: u32 = 1 << Effect::ALL.len();
     /// Sets that are drawn, of those that are neither small nor nearly full.
-    const DRAWN: u64 = 1024;
+    const DRAWN: u64 = 512;
 
-    /// Every set of up to three effects, every one that lacks up to three, and others drawn by their number.
+    /// Every set of up to two effects, every one that lacks up to two, and others drawn by their number.
     fn all() -> impl ParallelIterator<Item = Self> {
         let is_tried = |set: &u32| {
             let present = set.count_ones() as usize;
             let drawn = u64::from(set.wrapping_mul(0x9E37_79B9));
-            present.min(Effect::ALL.len() - present) <= 3
+            present.min(Effect::ALL.len() - present) <= 2
                 || (drawn * u64::from(Self::NUMBER)) >> u32::BITS < Self::DRAWN
         };
         (0..Self::NUMBER).into_par_iter().filter(is_tried).map(Self)
@@ -208,8 +208,8 @@ fn effects_together_give_one_image_planned_or_not_with_either_tracer() {
 /// The scenes of the price list, smaller.
 fn price_list(folder: &Path) -> Vec<SceneVariant> {
     let smaller = |mut variant: SceneVariant| {
-        variant.scene["camera"]["width"] = 16.into();
-        variant.scene["camera"]["height"] = 12.into();
+        variant.scene["camera"]["width"] = 12.into();
+        variant.scene["camera"]["height"] = 9.into();
         variant
     };
     variants(folder).expect("scenes").into_iter().map(smaller).collect()

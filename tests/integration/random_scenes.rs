@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
+use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
@@ -24,8 +25,7 @@ use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::systems::{Options, extract};
 
 use crate::seeds::asked_for;
-use crate::support::{TRACERS, options, put, with};
-use crate::view::Numbers;
+use crate::support::{TRACERS, both, folder, options, prepare_in, put, with};
 
 /// The seeds of the usual run.
 const USUAL: Range<u64> = 0..60;
@@ -39,6 +39,20 @@ const DEN: ([f64; 3], f64) = ([11.0, -9.0, 7.0], 0.1);
 /// How far behind the eye one more shape is where rays that are lit by what is near cannot meet it.
 const BEHIND: f64 = 60.0;
 
+/// Numbers from 0 to 1 that follow from a seed.
+struct Numbers(Stream, u32);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.1 += 1;
+        f64::from(self.0.uniform(self.1)[0])
+    }
+
+    fn below(&mut self, n: u32) -> u32 {
+        (self.next() * f64::from(n)) as u32
+    }
+}
+
 /// Makes texts of the grammar in `random_scenes.txt`.
 struct Writer {
     n: Numbers,
@@ -46,6 +60,8 @@ struct Writer {
     is_general: bool,
     /// Whether no ray is mirrored or bent, or goes on for ever.
     is_plain: bool,
+    /// Where the scene is along each axis.
+    place: f64,
 }
 
 impl Writer {
@@ -55,7 +71,7 @@ impl Writer {
 
     /// A text without its signs.
     fn written(&mut self, text: &str) -> String {
-        let Some(at) = text.find(['<', '$', '@', '~']) else { return text.to_owned() };
+        let Some(at) = text.find(['<', '$', '@', '^', '~']) else { return text.to_owned() };
         let (before, rest) = (&text[..at], &text[at + 1..]);
         let (new, rest) = if text[at..].starts_with('<') {
             let (mut depth, mut choices) = (0, Vec::new());
@@ -92,7 +108,12 @@ impl Writer {
         let size: f64 = word.parse().expect("a number");
         let any = (self.n.next() * 2.0 - 1.0) * size;
         let any = if self.is_general { any } else { (any * 2.0).round() / 2.0 };
-        format!("{:?}", if sign == "~" { any.abs().max(0.5) } else { any })
+        let number = match sign {
+            "~" => any.abs().max(0.5),
+            "^" => self.place + any,
+            _ => any,
+        };
+        format!("{number:?}")
     }
 
     fn json(&mut self, text: &str) -> Value {
@@ -117,7 +138,7 @@ impl Trial {
     fn of(seed: u64) -> Self {
         let mut n = Numbers(Stream { seed, pixel: 0, sample: 0, bounce: 0 }, 0);
         let (is_general, is_plain) = (n.below(2) == 0, n.below(4) == 0);
-        let mut writer = Writer { n, is_general, is_plain };
+        let mut writer = Writer { n, is_general, is_plain, place: 0.0 };
         let mut json = writer.json("$scene");
         let shapes = json["scene"]["shapes"].as_array_mut().expect("shapes");
         for shape in shapes.clone().into_iter().skip(2).filter(|_| !is_general) {
@@ -217,16 +238,21 @@ impl Trial {
     }
 }
 
-#[test]
-fn random_scenes_have_one_image() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("random-scenes");
-    std::fs::create_dir_all(&folder).expect("a folder");
+/// Writes the images that the grammar names.
+fn put_pictures(folder: &Path) {
     let save = |name: &str, texel: fn(u32, u32) -> [u8; 4]| {
         let image = RgbaImage::from_fn(4, 4, |x, y| Rgba(texel(x, y)));
         image.save(folder.join(name)).expect("an image");
     };
     save("holes.png", |x, y| [200, 90, 255, if (x + y) % 2 == 0 { 255 } else { 0 }]);
     save("ramp.png", |x, y| [80 * x as u8, 60 * y as u8, 99, 15 * (x + 4 * y) as u8]);
+}
+
+#[test]
+fn random_scenes_have_one_image() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("random-scenes");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    put_pictures(&folder);
     let mut seeds: Vec<u64> = asked_for(USUAL).collect();
     if seeds.len() > 1 {
         seeds.extend(ONCE_WRONG);
@@ -246,4 +272,41 @@ fn random_scenes_have_one_image() {
     assert!(found.len() * 10 > asked * 8, "only {} of {asked} are tried", found.len());
     let faults: Vec<&str> = found.iter().flatten().map(String::as_str).collect();
     assert!(faults.is_empty(), "in {}:\n{}", folder.display(), faults.join("\n"));
+}
+
+/// A scene of a few shapes and lights all around the eye, near the origin or far from it.
+fn around_the_eye(seed: u64) -> Value {
+    let mut n = Numbers(Stream { seed, pixel: 1, sample: 0, bounce: 0 }, 0);
+    let place = [0.0, 0.0, 5_000.0][n.below(3) as usize];
+    Writer { n, is_general: true, is_plain: false, place }.json("$around")
+}
+
+/// Neither does leaving it out, in any frame and precision.
+#[test]
+fn what_is_out_of_view_changes_no_bit_of_any_scene() {
+    let folder = folder();
+    put_pictures(folder.path());
+    let everything = unplanned(&PASSES);
+    let is_left_out = |seed: &u64| {
+        let json = around_the_eye(*seed);
+        let precision = Precision::ALL[*seed as usize % Precision::ALL.len()];
+        let [mut planned, mut all] = [&PASSES[..], &everything].map(|passes| {
+            prepare_in(folder.path(), &json, Options { passes, precision, ..Options::default() })
+        });
+        let frames = planned.path.as_ref().map_or(0..=0, |path| path.frames());
+        for frame in frames {
+            for scene in [&mut planned, &mut all] {
+                let moved = scene.path.as_ref().and_then(|path| path.at(frame));
+                scene.camera = moved.unwrap_or(scene.camera);
+            }
+            let [found, expected] = [both(&planned), both(&all)];
+            for (found, expected) in found.iter().zip(&expected) {
+                let same = found.film.same_bits(&expected.film);
+                assert!(same, "{seed}, {precision:?}, frame {frame}: {json}");
+            }
+        }
+        planned.plan.decisions().iter().any(|decision| decision.reason.contains("in view"))
+    };
+    let left_out = (0..600).into_par_iter().filter(is_left_out).count();
+    assert!(left_out > 100, "{left_out}");
 }

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use wavecrest_base::error::{Error, Result};
+use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
 use wavecrest_core::plan::Effect;
@@ -138,11 +138,6 @@ pub(crate) fn try_prepare(scene: &Value, file: &Path) -> Result<PreparedScene> {
     try_ready(load_str(&scene.to_string(), file, &LoadOptions::default()))
 }
 
-/// What is wrong with the scene that is said to be at `file`.
-pub(crate) fn refusal(scene: &Value, file: &Path) -> Error {
-    try_prepare(scene, file).map(|_| ()).expect_err("the scene is wrong")
-}
-
 /// Renders on a pool of `threads` threads.
 pub(crate) fn render_on(
     threads: usize,
@@ -205,6 +200,16 @@ pub(crate) fn pixel(film: &Film, x: u32, y: u32) -> [f64; 3] {
 pub(crate) fn difference(a: &Film, b: &Film) -> f32 {
     let pairs = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+/// How alike two images are: `yes`, to the last bit; within the least power of ten that their values differ by; or `no`.
+pub(crate) fn likeness(a: &Film, b: &Film) -> String {
+    if a.same_bits(b) {
+        return "yes".to_owned();
+    }
+    let worst = f64::from(difference(a, b));
+    let power = (-6..=-2).find(|&power| worst <= 10_f64.powi(power));
+    power.map_or("no".to_owned(), |power| format!("within 1e{power}"))
 }
 
 /// Every place of an image, row by row.
@@ -276,6 +281,14 @@ pub(crate) fn wall(half: f64, z: f64, material: Value) -> Value {
 /// `value` with `key` set.
 pub(crate) fn with(mut value: Value, key: &str, to: impl Into<Value>) -> Value {
     value[key] = to.into();
+    value
+}
+
+/// `value` with the members of `more`.
+pub(crate) fn merged(mut value: Value, more: &Value) -> Value {
+    for (key, new) in more.as_object().expect("an object") {
+        value[key] = new.clone();
+    }
     value
 }
 

@@ -113,15 +113,6 @@ fn scenes_that_are_wrong_or_not_meant_so_are_told_with_place_and_remedy() {
     });
 }
 
-#[test]
-fn smooth_shading_without_normals_is_flat() {
-    let folder = folder();
-    put(folder.path(), "m.obj", "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
-    let of = |changes: &str| render(&edited(mesh_scene("m.obj"), changes), folder.path());
-    let [flat, smooth] = ["", "/scene/shapes/0/shading \"smooth\""].map(of);
-    assert!(smooth.expect("a scene").0.same_bits(&flat.expect("a scene").0));
-}
-
 /// A bumpy grid as an OBJ text, with `extra` triangles without area between every two of its own.
 fn grid(extra: &[&str]) -> String {
     const N: usize = 8;

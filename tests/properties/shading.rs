@@ -128,16 +128,3 @@ proptest! {
         prop_assert!(f64::from(found.max_element()) <= most, "{} and not {}", found, most);
     }
 }
-
-#[test]
-fn no_ray_is_cast_that_could_add_nothing() {
-    let matte = Material { ks: 0.0, ..MATERIAL };
-    let surface = [Vec3::ZERO, Vec3::splat(1e-6), Vec3::Y];
-    let point = ShadingPoint::plain(surface, normalize(Vec3::new(1.0, 1.0, 0.0)), &matte);
-    let is_asked =
-        |point, at| request(&point, Emitter::Point(at), Falloff::InverseSquare, 0).is_some();
-    assert!(is_asked(point, Vec3::Y));
-    assert!(!is_asked(point, Vec3::NEG_Y), "behind");
-    assert!(!is_asked(ShadingPoint { lit: false, ..point }, Vec3::Y), "unlit side");
-    assert!(!is_asked(ShadingPoint { color: Vec3::ZERO.into(), ..point }, Vec3::Y), "black");
-}

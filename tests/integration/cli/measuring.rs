@@ -9,24 +9,14 @@ use wavecrest_core::accel::Hit;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_report::ray_file::RayFile;
 
-use crate::support::{
-    folder, json_in, matte, pinhole, point_light, put, run, run_json, scene, sphere, text, wall,
-    with,
-};
-
-fn write_scene(folder: &Path) {
-    let mirror = with(matte(0.8, [0.9, 0.3, 0.1]), "kr", 0.5);
-    let shapes = [sphere([0.0; 3], 1.0, mirror), wall(3.0, -1.5, matte(0.8, [0.5; 3]))];
-    let light = point_light(40.0, [2.0, 3.0, 4.0], [1.0; 3]);
-    let scene = scene(2, &pinhole([16, 12], 40.0, 5.0), &[light], &shapes);
-    put(folder, "s.json", scene.to_string());
-}
+use super::with_ball;
+use crate::support::{folder, json_in, put, run, run_json, text};
 
 #[test]
 fn bench_times_both_tracers_on_equal_images() {
-    let folder = folder();
-    write_scene(folder.path());
-    let arguments = ["bench", "s.json", "s.json", "--repeats", "2", "--min-time", "0", "--json"];
+    let folder = with_ball();
+    let arguments =
+        ["bench", "ball.json", "ball.json", "--repeats", "2", "--min-time", "0", "--json"];
     let found = run_json(folder.path(), &[&arguments[..], &["-o", "bench.json"]].concat());
     let scenes = found["scenes"].as_array().expect("scenes");
     assert_eq!(scenes.len(), 2);
@@ -80,11 +70,10 @@ fn bench_prices_effects() {
 
 #[test]
 fn bench_compares_kernels_levels_batches_and_threads() {
-    let folder = folder();
-    write_scene(folder.path());
+    let folder = with_ball();
     let options = ["--repeats", "2", "--min-time", "0", "--kernel", "stream", "--threads", "2"];
     let what =
-        ["bench", "s.json", "--compare", "kernels,levels,threads,plan", "--batches", "16,65536"];
+        ["bench", "ball.json", "--compare", "kernels,levels,threads,plan", "--batches", "16,65536"];
     let files = ["--page", "p.html", "--charts", "charts"];
     let found = run_json(folder.path(), &[&what[..], &options, &files, &["--json"]].concat());
     let scene = &found["scenes"][0];
@@ -116,7 +105,9 @@ fn bench_compares_kernels_levels_batches_and_threads() {
     };
     assert_eq!(column(&comparisons[3], "threads"), [1, 1, 2, 2]);
     assert_eq!(column(&comparisons[5], "label"), ["recursive", "16", "1024", "65536"]);
-    for name in ["s-wavefront-by-batch-size.svg", "s-both-tracers-by-threads-time-by-pass.csv"] {
+    for name in
+        ["ball-wavefront-by-batch-size.svg", "ball-both-tracers-by-threads-time-by-pass.csv"]
+    {
         assert!(folder.path().join("charts").join(name).is_file(), "{name}");
     }
     let output = run(folder.path(), &[&what[..], &options].concat());
@@ -179,6 +170,7 @@ fn trace_gives_the_right_answers_whatever_the_tracer_and_the_tree() {
     }
 }
 
+/// And rays that cannot be traced, or are those of another mesh.
 #[test]
 fn trace_tells_answers_of_the_file_that_are_not_ours() {
     let folder = folder();
@@ -193,26 +185,13 @@ fn trace_tells_answers_of_the_file_that_are_not_ours() {
     for key in ["other_triangle", "other_distance", "extra", "lost", "extra_any", "lost_any"] {
         assert_eq!(found["compared"][key], 1, "{key}");
     }
-}
-
-#[test]
-fn trace_tells_rays_that_cannot_be_traced() {
-    let folder = folder();
     write_rays(folder.path(), false, &[RAYS[0], (1.8e38, 0.5, Hit::MISS)]);
-    let found = trace(folder.path(), &[]);
-    assert_eq!([&found["invalid"], &found["hits"]], [1, 1]);
-    let output = run(folder.path(), &["trace", "--mesh", "m.obj", "--rays", "r.rays"]);
-    let told = text(&output.stdout);
+    let shown = || run(folder.path(), &["trace", "--mesh", "m.obj", "--rays", "r.rays"]);
+    let told = text(&shown().stdout).to_owned();
     assert!(told.contains(": 2 rays (closest hit), 1 hits, 1 invalid, "), "{told}");
-}
-
-#[test]
-fn trace_refuses_rays_of_another_mesh() {
-    let folder = folder();
-    write_rays(folder.path(), false, &RAYS);
     put(folder.path(), "m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
-    let output = run(folder.path(), &["trace", "--mesh", "m.obj", "--rays", "r.rays"]);
+    let refused = shown();
     let words = "r.rays: the rays are for another mesh, found rays for 2 triangles; m.obj has 1";
-    assert_eq!(output.status.code(), Some(2));
-    assert_eq!(text(&output.stderr), format!("error: {words}\n"));
+    let expected = (Some(2), format!("error: {words}\n"));
+    assert_eq!((refused.status.code(), text(&refused.stderr).to_owned()), expected);
 }

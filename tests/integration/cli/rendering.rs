@@ -20,41 +20,30 @@ fn put_knot(folder: &Path) {
     put(folder, "knot.json", scene(1, &camera, &[light], &[mesh]).to_string());
 }
 
-/// Levels of this machine, and trees that rays build. `messages/choices.txt` has other options.
+/// Trees that rays build, on several threads at once. `messages/choices.txt` has other options.
 #[test]
-fn no_choice_of_how_to_render_changes_a_byte() {
-    let folder = with_ball();
+fn no_choice_of_how_to_render_changes_a_byte_while_rays_build_the_tree() {
+    let folder = folder();
     put_knot(folder.path());
-    let levels = Level::available().into_iter().flat_map(|level| {
-        ["wavefront", "recursive"]
-            .map(|tracer| format!("--simd {} --tracer {tracer}", level.name()))
-    });
-    let knot = [
+    let render = |options: &str| {
+        let options: Vec<&str> = options.split_whitespace().collect();
+        let arguments = ["knot.json", "out.exr", "--stats", "stats.json"];
+        run_silently(folder.path(), &[&arguments[..], &options].concat());
+        bytes(folder.path(), "out.exr")
+    };
+    let expected = render("--bvh fast");
+    for options in [
         "--threads 1",
         "--threads 16 --batch 64",
         "--kernel packet --threads 3",
         "--kernel stream --batch 100",
         "--kernel single --threads 2",
         "--tracer recursive --threads 5",
-    ];
-    let knot = knot.map(|options| format!("--bvh on-demand {options}")).to_vec();
-    for (scene, usual, all) in
-        [("ball.json", "", levels.collect()), ("knot.json", "--bvh fast", knot)]
-    {
-        let render = |options: &str| {
-            let options: Vec<&str> = options.split_whitespace().collect();
-            let arguments = [scene, "out.exr", "--stats", "stats.json"];
-            run_silently(folder.path(), &[&arguments[..], &options].concat());
-            bytes(folder.path(), "out.exr")
-        };
-        let expected = render(usual);
-        for options in all {
-            assert!(render(&options) == expected, "{scene} {options}");
-            let chunks = json_in(folder.path(), "stats.json")["bvh"]["chunks"].take();
-            let [built, all] = [0, 1].map(|i| chunks[i].as_u64());
-            let is_in_part = Some(0) < built && built < all;
-            assert_eq!(is_in_part, scene == "knot.json", "{options}: {built:?} of {all:?}");
-        }
+    ] {
+        assert!(render(&format!("--bvh on-demand {options}")) == expected, "{options}");
+        let chunks = json_in(folder.path(), "stats.json")["bvh"]["chunks"].take();
+        let [built, all] = [0, 1].map(|i| chunks[i].as_u64());
+        assert!(Some(0) < built && built < all, "{options}: {built:?} of {all:?}");
     }
 }
 
@@ -70,15 +59,6 @@ fn texels_that_are_not_finite_are_told_and_trapped() {
     let output = run(folder.path(), &[scene, "t.png", "--width", "32", "--trap-invalid"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("not finite") && !folder.path().join("t.png").exists());
-}
-
-#[test]
-fn the_old_name_of_exact_precision_is_not_listed() {
-    let folder = folder();
-    for listing in [&["render", "--help"][..], &["completions", "bash"], &["completions", "zsh"]] {
-        let output = run(folder.path(), listing);
-        assert!(!text(&output.stdout).contains("robust"), "{listing:?}");
-    }
 }
 
 #[test]

@@ -306,16 +306,11 @@ fn a_signal_leaves_no_temporary_file() {
     }
 }
 
-/// The numbers below 1 that a test tries: others in each run.
-fn random() -> impl FnMut() -> f64 {
+/// A number from 0 to 1, another in each call and run.
+fn random() -> f64 {
     use std::hash::{BuildHasher, Hasher};
-    let mut state = std::collections::hash_map::RandomState::new().build_hasher().finish();
-    move || {
-        // Knuth's linear congruential generator.
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
+    let word = std::collections::hash_map::RandomState::new().build_hasher().finish();
+    word as f64 / u64::MAX as f64
 }
 
 /// How often a process is killed: `WAVECREST_KILLS`, or a few times.
@@ -343,7 +338,6 @@ fn a_process_that_is_killed_leaves_the_older_image_or_the_new_one() {
     run_silently(folder.path(), &["ball.json", "new.pfm"]);
     let whole = start.elapsed().as_secs_f64();
     let (old, new) = (bytes(folder.path(), "old.pfm"), bytes(folder.path(), "new.pfm"));
-    let mut random = random();
     let (mut olds, mut news) = (0, 0);
     for _ in 0..kills() {
         std::fs::write(folder.path().join("out.pfm"), &old).expect("a file");
@@ -365,7 +359,6 @@ fn a_process_that_is_killed_leaves_the_older_image_or_the_new_one() {
 fn a_render_killed_repeatedly_resumes_to_the_same_bytes() {
     let (folder, usual) = with_long();
     let resume = [&RENDER[..], &["--resume", "-q"]].concat();
-    let mut random = random();
     for _ in 0..kills() {
         let moment = 0.05 + random() * 0.3;
         interrupted(folder.path(), &resume, ("ball.json", moment), &["KILL"]);

@@ -7,15 +7,13 @@ use serde_json::{Value, json};
 use wavecrest_scene::systems::Options;
 
 use crate::support::{
-    assert_near, folder, image, image_of, matte, pinhole, pixel, prepare_in, scene, sphere, wall,
-    with,
+    assert_near, folder, image, image_of, matte, merged, pinhole, pixel, prepare_in, scene, sphere,
+    wall, with,
 };
 
 /// White light from everywhere, as `more` has it.
-fn white(more: Value) -> Value {
-    let mut ambient = json!({"sky": [1, 1, 1]});
-    more.as_object().into_iter().flatten().for_each(|(key, value)| ambient[key] = value.clone());
-    ambient
+fn white(more: &Value) -> Value {
+    merged(json!({"sky": [1, 1, 1]}), more)
 }
 
 /// What a white floor shows below `place`, with these shapes on it.
@@ -50,7 +48,7 @@ fn a_wall_hides_its_part_of_the_sky_above_a_floor() {
         for (distance, height) in [(1.0, 1.0), (0.5, 2.0), (2.0, 0.5), (1.0, 1e5)] {
             let hidden = 0.5 * (1.0 - distance / f64::hypot(distance, height));
             let wall = upright([0.0, 1.0], height);
-            let found = on_floor([distance, 0.0], &[wall], &white(samples.clone()));
+            let found = on_floor([distance, 0.0], &[wall], &white(&samples));
             let what = format!("{samples}: {distance} from a wall of {height}");
             assert!(
                 (found - (1.0 - hidden)).abs() < error,
@@ -67,7 +65,7 @@ fn a_corner_of_two_walls_leaves_a_quarter_and_of_a_sharp_one_an_eighth() {
         for (degrees, place) in [(90.0_f64, [1.0, 2.0]), (45.0, [2.0, 1.0])] {
             let other = [degrees.to_radians().cos(), degrees.to_radians().sin()];
             let walls = [upright([1.0, 0.0], 1e5), upright(other, 1e5)];
-            let found = on_floor(place, &walls, &white(samples.clone()));
+            let found = on_floor(place, &walls, &white(&samples));
             assert!((found - degrees / 360.0).abs() < error, "{samples}, {degrees}: {found}");
         }
     }
@@ -82,7 +80,7 @@ fn rays_look_no_farther_than_their_distance() {
         for (length, error) in [(0.99, 1e-6), (1.25, error), (2.0, error), (40.0, error)] {
             let chord = f64::min(1.0 / length, 1.0);
             let hidden = (chord.acos() - chord * f64::sqrt(1.0 - chord * chord)) / PI;
-            let ambient = with(white(samples.clone()), "distance", length);
+            let ambient = with(white(&samples), "distance", length);
             let found = on_floor([1.0, 0.0], &wall, &ambient);
             assert!((found - (1.0 - hidden)).abs() < error, "{samples}, {length}: {found}");
         }
@@ -116,11 +114,9 @@ fn of_ambient_light_a_pane_scatters_what_it_does_not_refract() {
     let corners = [[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]];
     for (t, opacity) in [(0.0, 0.4), (0.25, 1.0), (0.7, 0.6), (1.0, 0.5), (1.0, 1.0)] {
         for (normal, mirror) in [(1, 0.3), (-1, 0.0)] {
-            let mut pane = json!({"type": "plane", "points": corners, "normal": [0, 0, normal],
-                                  "material": matte(0.5, [1.0; 3])});
             let more = json!({"kr": 0.3, "kt": t, "opacity": opacity, "thin": true});
-            let more = more.as_object().into_iter().flatten();
-            more.for_each(|(key, value)| pane["material"][key] = value.clone());
+            let pane = json!({"type": "plane", "points": corners, "normal": [0, 0, normal],
+                              "material": merged(matte(0.5, [1.0; 3]), &more)});
             let mut scene = scene(1, &pinhole([1, 1], 1e-3, 5.0), &[], &[pane]);
             scene["scene"]["backgroundcolor"] = json!(beyond);
             let expected = std::array::from_fn(|i| {

@@ -88,22 +88,18 @@ fn the_angle_of_view_spans_the_side_that_it_names() {
 }
 
 #[test]
-fn the_image_is_upright_and_unmirrored() {
-    let eye = Eye { size: [30, 30], fov: 40.0, distance: 5.0 };
+fn the_image_is_upright_and_unmirrored_or_as_up_turns_it() {
+    let eye = Eye { size: [30, 30], fov: 40.0, distance: 5.0 }.json();
     let ball = |x, y, color| sphere([x, y, 0.0], 0.5, matte(1.0, color));
     let shapes = [ball(0.9, 0.0, [1.0, 0.0, 0.0]), ball(0.0, 0.9, [0.0, 1.0, 0.0])];
-    let film = shown(&eye.json(), &shapes);
-    assert_near(pixel(&film, 22, 15), [1.0, 0.0, 0.0], 1e-6, "+x is right");
-    assert_near(pixel(&film, 15, 7), [0.0, 1.0, 0.0], 1e-6, "+y is up");
-    assert!(is_background(&film, 7, 15) && is_background(&film, 15, 22));
-}
-
-#[test]
-fn up_turns_the_image() {
-    let ball = sphere([0.9, 0.0, 0.0], 0.5, matte(1.0, [1.0, 0.0, 0.0]));
-    let eye = Eye { size: [30, 30], fov: 40.0, distance: 5.0 };
-    let film = shown(&with(eye.json(), "up", json!([2, 0, 0])), &[ball]);
-    assert_near(pixel(&film, 15, 7), [1.0, 0.0, 0.0], 1e-6, "+x is up");
+    // Where +x and +y are.
+    for (up, [x, y]) in [([0, 1, 0], [(22, 15), (15, 7)]), ([2, 0, 0], [(15, 7), (7, 15)])] {
+        let film = shown(&with(eye.clone(), "up", json!(up)), &shapes);
+        assert_near(pixel(&film, x.0, x.1), [1.0, 0.0, 0.0], 1e-6, "+x");
+        assert_near(pixel(&film, y.0, y.1), [0.0, 1.0, 0.0], 1e-6, "+y");
+        let is_free = |(x, y): (u32, u32)| is_background(&film, 29 - x, 29 - y);
+        assert!(is_free(x) && is_free(y), "{up:?}");
+    }
 }
 
 /// Angles and radii of points on the lens, where not their number is at stake.

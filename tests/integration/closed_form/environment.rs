@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use wavecrest_scene::systems::Options;
 
 use crate::support::{
-    assert_near, folder, image_of, matte, pinhole, pixel, prepare_in, scene, wall, with,
+    assert_near, edited, folder, image_of, matte, pixel, prepare_in, scene, wall, with,
 };
 
 /// What a camera at the origin sees in a direction, and in a mirror that faces it there.
@@ -14,12 +14,12 @@ fn seen(environment: &Value, towards: [f64; 3]) -> [f64; 3] {
     let texel = |x, y| image::Rgb([(x * 30) as u8, (y * 60) as u8, 255]);
     image::RgbImage::from_fn(8, 4, texel).save(folder.path().join("sky.png")).expect("an image");
     let up = if towards[1].abs() > 0.9 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
-    let camera = with(pinhole([1, 1], 1e-3, 9.0), "location", json!([0, 0, 0]));
-    let camera = with(with(camera, "look", json!(towards)), "up", json!(up));
+    let camera = json!({"type": "pinhole", "width": 1, "height": 1, "fov": 1e-3,
+                        "location": [0, 0, 0], "look": towards, "up": up});
     // A mirror behind the camera is not seen, and shapes elsewhere change nothing.
     let shapes = [wall(1.0, 50.0, with(matte(0.0, [0.0; 3]), "kr", 0.5))];
-    let mut scene = scene(1, &camera, &[], &shapes);
-    scene["scene"]["environment"] = environment.clone();
+    let scene =
+        edited(scene(1, &camera, &[], &shapes), &format!("/scene/environment {environment}"));
     pixel(&image_of(&prepare_in(folder.path(), &scene, Options::default()), 0), 0, 0)
 }
 

@@ -20,46 +20,33 @@ fn glass(ior: f64) -> Value {
 const LEFT: [f64; 3] = [0.5, 0.6, 0.7];
 
 fn jelly(more: &Value) -> Value {
-    let mut jelly = clear(more);
-    jelly["attenuationcolor"] = json!(LEFT);
-    jelly["attenuationdistance"] = json!(1);
-    jelly
+    with(with(clear(more), "attenuationcolor", json!(LEFT)), "attenuationdistance", 1)
 }
 
-/// A closed block across the z axis, as wide as twice `half`.
-fn block(half: f64, [low, high]: [f64; 2], material: &Value) -> Value {
-    let corner = |i: usize| {
-        let side = |bit: usize, ends: [f64; 2]| ends[i >> bit & 1];
-        [side(0, [-half, half]), side(1, [-half, half]), side(2, [low, high])]
-    };
-    let corners: Vec<[f64; 3]> = (0..8).map(corner).collect();
-    let faces =
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let halves: Vec<[i32; 3]> =
-        faces.iter().flat_map(|&[a, b, c, d]| [[a, c, b], [a, d, c]]).collect();
+/// The faces of a block, by the corners of [`corners`], counter-clockwise from outside.
+const FACES: [[usize; 4]; 6] =
+    [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+
+/// The corners of a block across the z axis, as wide as twice `half`.
+fn corners(half: f64, [low, high]: [f64; 2]) -> [[f64; 3]; 8] {
+    let sides = [[-half, half], [-half, half], [low, high]];
+    [0, 1, 2, 3, 4, 5, 6, 7].map(|i: usize| [0, 1, 2].map(|axis| sides[axis][i >> axis & 1]))
+}
+
+/// A closed block.
+fn block(half: f64, ends: [f64; 2], material: &Value) -> Value {
+    let halves = FACES.map(|[a, b, c, d]| [[a, c, b], [a, d, c]]).concat();
+    let corners = corners(half, ends);
     json!({"type": "trimesh", "points": corners, "indices": halves, "material": material})
 }
 
 /// The same block of six separate faces.
-fn faces(half: f64, [low, high]: [f64; 2], material: &Value) -> Vec<Value> {
-    let at = |axis: usize, side: f64| {
-        let ends = |k: usize, sign: f64| match (k, sign > 0.0) {
-            (2, true) => high,
-            (2, false) => low,
-            _ => sign * half,
-        };
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let corner = |[a, b]: [f64; 2]| {
-            let mut corner = [0.0; 3];
-            (corner[axis], corner[u], corner[v]) = (ends(axis, side), ends(u, a), ends(v, b));
-            corner
-        };
-        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner);
-        let mut normal = [0.0; 3];
-        normal[axis] = side;
-        json!({"type": "plane", "points": corners, "normal": normal, "material": material})
-    };
-    [0, 1, 2].iter().flat_map(|&axis| [at(axis, 1.0), at(axis, -1.0)]).collect()
+fn faces(half: f64, ends: [f64; 2], material: &Value) -> [Value; 6] {
+    let corners = corners(half, ends);
+    FACES.map(|[a, b, c, d]| {
+        let points = [a, d, c, b].map(|i| corners[i]);
+        json!({"type": "plane", "points": points, "material": material})
+    })
 }
 
 fn shining(z: f64) -> Value {

@@ -5,8 +5,8 @@ use wavecrest_scene::systems::Options;
 
 use super::Eye;
 use crate::support::{
-    BACKGROUND, alternatives, difference, edited, folder, image, image_of, pixel, plain,
-    point_light, prepare_in, put_image, scene,
+    BACKGROUND, alternatives, edited, folder, image, image_of, likeness, pixel, plain, point_light,
+    prepare_in, put_image, scene,
 };
 use crate::transcript;
 
@@ -51,9 +51,7 @@ fn surfaces_look_as_they_are_placed_turned_and_lit() {
         let [found, other] = alternatives(&usual, &written_out(changes))
             .map(|json| image_of(&prepare_in(folder.path(), &json, Options::default()), 0));
         if words[0] == "alike" {
-            let is_near = difference(&found, &other) <= 1e-6;
-            let nearly = if is_near { "nearly" } else { "no" };
-            return if found.same_bits(&other) { "yes" } else { nearly }.to_owned();
+            return likeness(&found, &other);
         }
         let seen = words[1..].iter().map(|place| {
             let (x, y) = place.split_once(',').expect("a place");

@@ -9,17 +9,13 @@ use wavecrest_core::probe::{self, PathRecord};
 use wavecrest_scene::systems::Options;
 
 use crate::support::{
-    assert_near, folder, image, image_of, pinhole, pixel, places, point_light, prepare, prepare_in,
-    scene, sphere, wall, with,
+    assert_near, folder, image, image_of, matte, merged, pinhole, pixel, places, point_light,
+    prepare, prepare_in, scene, sphere, wall, with,
 };
 
 /// Nothing but what goes through it is seen of such a surface.
 pub(super) fn clear(more: &Value) -> Value {
-    let mut material = json!({"ks": 0, "kd": 0, "specularexponent": 1, "diffusecolor": [0, 0, 0]});
-    for (key, value) in more.as_object().expect("keys") {
-        material[key] = value.clone();
-    }
-    material
+    merged(matte(0.0, [0.0; 3]), more)
 }
 
 fn shining_wall() -> Value {
@@ -187,11 +183,7 @@ fn thirty_panes_pass_their_shares() {
 /// A shadow ray meets each surface once, with its angle to the normal, and its way inside.
 #[test]
 fn shadow_rays_lose_what_surfaces_keep() {
-    let floor = wall(
-        50.0,
-        -3.0,
-        json!({"ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": [1, 1, 1]}),
-    );
+    let floor = wall(50.0, -3.0, matte(1.0, [1.0; 3]));
     let light = point_light(1000.0, [0.0, 0.0, 2.0], [1.0; 3]);
     let lit = |shapes: &[Value]| {
         let mut all = vec![floor.clone()];

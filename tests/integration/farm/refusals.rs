@@ -116,19 +116,6 @@ fn what_is_no_part_or_claims_too_much_is_refused_and_sets_no_memory_aside() {
     });
 }
 
-#[test]
-fn missing_shards_are_named() {
-    let folder = folder();
-    let parts = write_parts(&prepare(&ball([40, 40], 1)), &options(), 5, folder.path());
-    let told = |numbers: &[usize]| {
-        let given: Vec<PathBuf> = numbers.iter().map(|i| parts[i - 1].clone()).collect();
-        merge(&given).expect_err("a gap").to_string()
-    };
-    let remedy = "render them with --shard, or add their files, and merge again";
-    assert_eq!(told(&[1, 3, 4]), format!("shards 2/5, 5/5 are missing; {remedy}"));
-    assert_eq!(told(&[1, 1]), format!("shards 2/5, 3/5, 4/5, 5/5 are missing; {remedy}"));
-}
-
 /// The checkpoint of a render that was ended is a part with gaps.
 #[test]
 fn unfinished_parts_are_refused_with_their_place() {
@@ -177,15 +164,12 @@ fn parts_that_were_cut_in_another_way_are_refused_where_they_overlap() {
 
 /// A ball, a wall with a texture, and a mesh.
 fn strangers_scene() -> Value {
-    let mut scene = ball([20, 12], 1);
-    scene["scene"]["shapes"][1]["texture"] = json!("textures/picture.png");
-    let material = scene["scene"]["shapes"][0]["material"].clone();
+    let ball = ball([20, 12], 1);
     let points = [[-2.0, -1.0, 0.5], [0.0, 1.0, 0.5], [-1.0, -1.0, 0.0], [0.0, -1.0, 1.0]];
-    let mesh = json!({
-        "type": "trimesh", "points": points, "indices": [[0, 1, 2], [1, 2, 3]], "material": material
-    });
-    scene["scene"]["shapes"].as_array_mut().expect("shapes").push(mesh);
-    scene
+    let mesh = json!({"type": "trimesh", "points": points, "indices": [[0, 1, 2], [1, 2, 3]],
+                      "material": ball["scene"]["shapes"][0]["material"]});
+    let texture = r#"/scene/shapes/1/texture "textures/picture.png""#;
+    edited(ball, &format!("{texture}\n/scene/shapes/- {mesh}"))
 }
 
 /// What is said of a part, and of a checkpoint, of a render that differs in one thing from that of [`strangers_scene`]:

@@ -7,9 +7,8 @@ use wavecrest_core::film::Film;
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::write::write;
 
-use super::images::textured;
-use super::{loaded, rendered, small, square};
-use crate::support::{edited, folder, matte, pinhole, repository, scene, wall};
+use super::{loaded, mapped, rendered, small, square};
+use crate::support::{edited, folder, matte, pinhole, put, repository, scene, wall, with};
 
 /// What a file is rendered to, once it has been converted in a folder of its own.
 pub(super) fn converted(file: &Path) -> (Film, Value) {
@@ -58,12 +57,24 @@ fn keys_without_an_effect_are_left_out_of_what_is_written() {
     }
 }
 
-/// With a turned and mirrored node, smooth normals, a texture and its tint, a sun and a glowing mesh.
+/// With a turned and mirrored node, smooth normals, all maps at once, each placed by a transform of its own, their tint, a
+/// sun and a glowing mesh.
 #[test]
 fn a_converted_file_has_the_same_image() {
-    let mut file = textured();
-    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] =
-        json!([0.3, 0.9, 0.7, 1]);
+    let texels = [[200, 90, 255], [30, 160, 140], [120, 128, 250], [255, 60, 200]];
+    let place = |scale: f64, turn: f64| {
+        let change = json!({"scale": [scale, 0.7], "rotation": turn, "offset": [0.1, scale]});
+        json!({"index": 0, "extensions": {"KHR_texture_transform": change}})
+    };
+    let material = json!({
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.3, 0.9, 0.7, 1], "metallicFactor": 0.8,
+            "baseColorTexture": place(1.5, 0.0), "metallicRoughnessTexture": place(1.0, 0.4)
+        },
+        "normalTexture": with(place(0.5, 1.1), "scale", 0.7), "occlusionTexture": place(2.0, -0.3),
+        "emissiveFactor": [0.2, 0.1, 0.3], "emissiveTexture": place(0.3, 2.0)
+    });
+    let mut file = mapped(texels, material);
     let normals =
         file.floats(&[[0.1, 0.2, 0.9], [0.3, 0.0, 1.0], [0.0, -0.1, 0.7], [0.0, 0.0, 1.0]]);
     file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = normals.into();
@@ -80,13 +91,15 @@ fn a_converted_file_has_the_same_image() {
         json!({"rotation": [0.3, 0.1, 0, 0.9]}),
     );
     let folder = folder();
-    let path = folder.path().join("a.glb");
-    std::fs::write(&path, file.glb()).expect("a file");
-    let (film, json) = converted(&path);
+    put(folder.path(), "a.glb", file.glb());
+    let (film, json) = converted(&folder.path().join("a.glb"));
     assert!(film.same_bits(&rendered(loaded(&file))));
     assert_eq!(json["transfer"], "srgb");
-    assert_eq!(json["scene"]["shapes"][0]["name"], "square");
-    assert_eq!(json["scene"]["shapes"][0]["encoding"], "srgb");
+    let shape = &json["scene"]["shapes"][0];
+    assert_eq!((&shape["name"], &shape["encoding"]), (&json!("square"), &json!("srgb")));
+    for key in ["emissionmap", "metalmap", "occlusionmap", "normalmap", "uvtransform"] {
+        assert!(!shape[key].is_null(), "{key}");
+    }
 }
 
 /// Normals and coordinates of their own at each corner, and none at some.

@@ -1,15 +1,12 @@
 //! What each part of a file becomes, as its image shows it.
 
-use std::io::Cursor;
-
-use glam::{Quat, Vec3};
-use image::{ImageFormat, Rgba, RgbaImage};
 use serde_json::{Value, json};
-use wavecrest_scene::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, View};
+use wavecrest_scene::components::{AreaLight, View};
 use wavecrest_scene::load::{LoadOptions, load};
 
-use super::{File, SQUARE, image, loaded, rendered, small, square};
-use crate::support::{assert_near, difference, folder, pixel, put, repository};
+use super::{File, image, loaded, mapped, rendered, small, square, textured, textured_with};
+use crate::support::{alternatives, assert_near, folder, likeness, pixel, put, repository};
+use crate::transcript;
 
 #[test]
 fn all_forms_of_a_file_are_one_scene() {
@@ -46,126 +43,48 @@ fn a_matte_surface_shows_what_the_rule_says() {
     assert_near(pixel(&film, 0, 0), [0.05; 3], 1e-6, "beside it");
 }
 
-/// Triangles, strips and fans, with and without indices, of every type; strides; zeros with a sparse part.
-#[test]
-fn every_way_to_write_a_square_is_that_square() {
-    let expected = image(&square());
-    let primitive = "/meshes/0/primitives/0";
-    for (mode, order) in [(4, vec![0, 1, 2, 0, 2, 3]), (5, vec![1, 2, 0, 3]), (6, vec![0, 1, 2, 3])]
-    {
-        let mut file = square();
-        let bytes: Vec<u8> = order.iter().map(|&i| i as u8).collect();
-        let words: Vec<u8> = order.iter().flat_map(|&i: &usize| (i as u32).to_le_bytes()).collect();
-        let points: Vec<[f32; 3]> = order.iter().map(|&i| SQUARE[i]).collect();
-        let (bytes, words) = (
-            file.accessor(&bytes, 5121, order.len(), "SCALAR"),
-            file.accessor(&words, 5125, order.len(), "SCALAR"),
-        );
-        let points = file.floats(&points);
-        let by = |indices: usize| json!({"attributes": {"POSITION": 0}, "indices": indices, "mode": mode});
-        let bare = json!({"attributes": {"POSITION": points}, "mode": mode});
-        for mut parts in [by(bytes), by(words), bare] {
-            parts["material"] = 0.into();
-            let film = image(&file.with(primitive, parts.clone()));
-            // Other triangles round in another way.
-            let worst = difference(&film, &expected);
-            assert!(worst < 1e-3, "mode {mode}, {parts}: {worst}");
-        }
-    }
+/// Adds an accessor: the type of its numbers, what they make up, and the numbers.
+fn add_accessor(file: &mut File, line: &str) {
+    let [component, of, numbers] = line.splitn(3, ' ').collect::<Vec<_>>()[..] else {
+        panic!("{line}")
+    };
+    let numbers: Vec<f64> = serde_json::from_str(numbers).expect("numbers");
+    let bytes = |number: &f64| match component {
+        "5121" => vec![*number as u8],
+        "5125" => (*number as u32).to_le_bytes().to_vec(),
+        _ => (*number as f32).to_le_bytes().to_vec(),
+    };
+    let data: Vec<u8> = numbers.iter().flat_map(bytes).collect();
+    let parts = ["SCALAR", "", "VEC2", "VEC3", "VEC4"].iter().position(|name| *name == of);
+    let count = numbers.len() / parts.expect("a type").max(1);
+    file.accessor(&data, component.parse().expect("a type"), count, of);
 }
 
+/// `square`, `picture` and `texel`, with a texture of one colour, are edited as the lines say, after accessors have been
+/// added. The answer is how alike what lines of `+` and of `-` show is.
 #[test]
-fn interleaved_sparse_and_shared_positions_are_the_same_bits() {
-    let file = square();
-    let expected = image(&file);
-    let mut interleaved = file.clone();
-    let rows = SQUARE.iter().flat_map(|p| [p[0], p[1], p[2], 9.0, f32::NAN]);
-    let bytes: Vec<u8> = rows.flat_map(f32::to_le_bytes).collect();
-    let number = interleaved.accessor(&bytes, 5126, 4, "VEC3");
-    interleaved.json["bufferViews"][number]["byteStride"] = 20.into();
-    let of = "/meshes/0/primitives/0/attributes/POSITION";
-    assert!(image(&interleaved.with(of, number)).same_bits(&expected));
-
-    let mut sparse = file.clone();
-    let which = sparse.view(&[0, 1, 2, 3]);
-    let values =
-        sparse.view(&SQUARE.iter().flatten().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
-    let number = sparse.push("accessors", json!({
-        "componentType": 5126, "count": 4, "type": "VEC3", "sparse": {
-            "count": 4, "indices": {"bufferView": which, "componentType": 5121}, "values": {"bufferView": values}
+fn what_is_said_in_other_ways_has_the_same_image() {
+    transcript::check("gltf-images", |input, lines| {
+        let mut file = match input.split(' ').collect::<Vec<_>>()[..] {
+            ["square"] => square(),
+            ["picture"] => textured(),
+            ["texel", ref levels @ ..] => {
+                let texel = [0, 1, 2].map(|k| levels[k].parse().expect("a level"));
+                let material = square().json["materials"][0].take();
+                mapped([texel; 4], material)
+            }
+            _ => panic!("{input}"),
+        };
+        let is_data = |line: &&str| line.starts_with("accessor ");
+        let (data, changes): (Vec<&str>, Vec<&str>) = lines.lines().partition(is_data);
+        data.iter().for_each(|line| add_accessor(&mut file, &line["accessor ".len()..]));
+        let [one, other] = alternatives(&file.json, &changes.join("\n"))
+            .map(|json| loaded(&File { json, bytes: file.bytes.clone() }));
+        match one {
+            Ok(_) => likeness(&rendered(one), &rendered(other)),
+            Err(error) => error.to_string(),
         }
-    }));
-    assert!(image(&sparse.with(of, number)).same_bits(&expected));
-
-    // Among many vertices that no triangle has.
-    let mut shared = file.clone();
-    let mut points = vec![[7.0; 3]; 100];
-    points.extend(SQUARE);
-    let number = shared.floats(&points);
-    let indices = shared.indices(&[100, 101, 102, 100, 102, 103]);
-    let shared = shared.with(
-        "/meshes/0/primitives/0",
-        json!({
-            "attributes": {"POSITION": number}, "indices": indices, "material": 0
-        }),
-    );
-    assert!(image(&shared).same_bits(&expected));
-    let mut world = loaded(&shared).expect("it is right").world;
-    let held: Vec<usize> =
-        world.query_mut::<&Mesh>().into_iter().map(|m| m.data.positions.len()).collect();
-    assert_eq!(held, [4]);
-}
-
-/// A parent that moves and a child that mirrors and turns, as a matrix and as parts.
-#[test]
-fn transforms_of_nodes_are_nested() {
-    let turn = Quat::from_rotation_z(0.5);
-    let scale = Vec3::new(-0.5, 0.7, 1.0);
-    let mut parts = square();
-    parts.json["nodes"][0] = json!({
-        "mesh": 0, "rotation": turn.to_array(), "scale": scale.to_array(), "translation": [0.25, 0, 0]
     });
-    let parent = parts.push("nodes", json!({"children": [0], "translation": [0.25, -0.5, 0.125]}));
-    parts.json["scenes"][0]["nodes"][0] = parent.into();
-    let mut whole = square();
-    let matrix =
-        glam::Mat4::from_scale_rotation_translation(scale, turn, Vec3::new(0.5, -0.5, 0.125));
-    whole.json["nodes"][0] = json!({"mesh": 0, "matrix": matrix.to_cols_array()});
-    let (parts, whole) = (image(&parts), image(&whole));
-    assert!(difference(&parts, &whole) < 1e-2);
-    assert!(!parts.same_bits(&image(&square())));
-    // A front that is mirrored is a front still: single-sided surfaces are lit.
-    assert!(pixel(&parts, 15, 11)[0] > 0.3, "{:?}", pixel(&parts, 15, 11));
-}
-
-/// A PNG of 2 x 2 texels, top row first.
-pub(super) fn png(texels: [[u8; 3]; 4]) -> Vec<u8> {
-    use image::ImageEncoder as _;
-    let mut bytes = Vec::new();
-    image::codecs::png::PngEncoder::new(&mut bytes)
-        .write_image(texels.as_flattened(), 2, 2, image::ExtendedColorType::Rgb8)
-        .expect("a PNG");
-    bytes
-}
-
-/// The square with a texture within the file.
-pub(super) fn textured() -> File {
-    textured_with([[255, 0, 0], [0, 255, 0], [0, 0, 255], [188; 3]])
-}
-
-fn textured_with(texels: [[u8; 3]; 4]) -> File {
-    let mut file = square();
-    let view = file.view(&png(texels));
-    for (list, value) in [
-        ("images", json!({"bufferView": view, "mimeType": "image/png"})),
-        ("samplers", json!({"magFilter": 9728, "wrapS": 33071, "wrapT": 33071})),
-        ("textures", json!({"source": 0, "sampler": 0})),
-    ] {
-        file.json[list] = json!([value]);
-    }
-    file.json["materials"][0]["pbrMetallicRoughness"] =
-        json!({"metallicFactor": 0, "baseColorTexture": {"index": 0}});
-    file
 }
 
 /// Its levels are behind the sRGB curve, its first row is at the top, the factor tints it.
@@ -191,37 +110,6 @@ fn a_texture_is_decoded_tinted_and_the_right_way_up() {
         let (found, plain) = (pixel(&tinted, 14, 11)[k], pixel(&film, 14, 11)[k]);
         assert!((found - factor * plain).abs() < 1e-5, "{found} and {plain}");
     }
-}
-
-#[test]
-fn normalized_coordinates_and_texture_transforms_are_the_same_places() {
-    let expected = image(&textured());
-    let mut bytes = textured();
-    let corners = super::SQUARE_UVS.as_flattened().iter().map(|x| (x * 255.0) as u8);
-    let number = bytes.accessor(&corners.collect::<Vec<u8>>(), 5121, 4, "VEC2");
-    bytes.json["accessors"][number]["normalized"] = true.into();
-    let bytes = bytes.with("/meshes/0/primitives/0/attributes/TEXCOORD_0", number);
-    assert!(image(&bytes).same_bits(&expected));
-    // Halved coordinates, scaled and moved back.
-    let mut halved = textured();
-    let halves = super::SQUARE_UVS.map(|uv| uv.map(|x| x / 2.0 + 1.0));
-    let number = halved.floats(&halves);
-    halved.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_3"] = number.into();
-    halved.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({
-        "index": 0, "extensions": {"KHR_texture_transform": {"texCoord": 3, "scale": [2, 2], "offset": [-2, -2]}}
-    });
-    assert!(image(&halved).same_bits(&expected));
-}
-
-#[test]
-fn a_mesh_of_several_nodes_is_held_once() {
-    let mut file = square();
-    file.node(json!({"mesh": 0, "translation": [0, 2, 0]}));
-    file.node(json!({"mesh": 0, "scale": [2, 2, 2]}));
-    let mut world = loaded(&file).expect("it is right").world;
-    assert_eq!(world.query_mut::<&Mesh>().into_iter().count(), 1);
-    assert_eq!(world.query_mut::<(&Mesh, &Hidden, &Order)>().into_iter().count(), 1);
-    assert_eq!(world.query_mut::<(&InstanceOf, &Order)>().into_iter().count(), 3);
 }
 
 #[test]
@@ -358,29 +246,6 @@ fn without_camera_and_light_all_is_seen() {
     let film = image(&file);
     let [square, background] = [pixel(&film, 12, 9)[0], pixel(&film, 0, 0)[0]];
     assert!(0.1 < square && square < background && background < 1.0, "{square}, {background}");
-}
-
-#[test]
-fn what_a_texture_blends_to_nothing_is_not_framed() {
-    let mut file = square();
-    file.json["scenes"][0]["nodes"] = json!([0]);
-    let alone = image(&file);
-    let clear = RgbaImage::from_pixel(2, 2, Rgba([255, 255, 255, 0]));
-    let mut png = Cursor::new(Vec::new());
-    clear.write_to(&mut png, ImageFormat::Png).expect("a PNG");
-    let view = file.view(png.get_ref());
-    file.json["images"] = json!([{"bufferView": view, "mimeType": "image/png"}]);
-    file.json["textures"] = json!([{"source": 0}]);
-    let texture = json!({"metallicFactor": 0, "baseColorTexture": {"index": 0}});
-    let material =
-        file.push("materials", json!({"alphaMode": "BLEND", "pbrMetallicRoughness": texture}));
-    let mut primitive = file.json["meshes"][0]["primitives"][0].clone();
-    primitive["material"] = material.into();
-    let mesh = file.push("meshes", json!({"primitives": [primitive]}));
-    file.node(json!({"mesh": mesh, "translation": [9, 0, 0]}));
-    assert!(image(&file).same_bits(&alone));
-    let opaque = format!("/materials/{material}/alphaMode");
-    assert!(!image(&file.with(&opaque, "OPAQUE")).same_bits(&alone));
 }
 
 #[test]

@@ -84,20 +84,6 @@ fn pictures_of_materials_outside_are_refused_unless_they_are_allowed() {
     }
 }
 
-#[test]
-fn a_path_of_another_machine_means_the_file_of_that_name_beside() {
-    let file = square();
-    let (_folder, own) = with_file("a.bin", &file.bytes);
-    std::fs::write(own.join("b.bin"), &file.bytes).expect("a file");
-    let path = own.join("a.gltf");
-    for name in ["C:/Users/me/b.bin", "C:\\Users\\me\\b.bin", "/none/b.bin"] {
-        std::fs::write(&path, file.text(name)).expect("a file");
-        let scene = read(&path, false).expect(name);
-        let told = scene.warnings.iter().map(ToString::to_string).collect::<String>();
-        assert!(told.contains("buffers[0].uri: there is no such file here"), "{told}");
-    }
-}
-
 /// The bytes of no file outside its folder come into what it is converted to.
 #[test]
 fn a_conversion_copies_nothing_from_outside() {

@@ -5,9 +5,10 @@ use std::path::Path;
 use serde_json::{Value, json};
 use wavecrest_base::error::Result;
 use wavecrest_scene::load::LoadedScene;
+use wavecrest_scene::systems;
 
-use super::{File, SQUARE, SQUARE_UVS, image, load_bytes, loaded, small, square};
-use crate::support::{edited, folder, put};
+use super::{File, SQUARE, SQUARE_UVS, load_bytes, loaded, small, square};
+use crate::support::{edited, folder, put, ready};
 use crate::transcript;
 
 /// What is said of a file: an error, or warnings.
@@ -17,6 +18,13 @@ fn told(loaded: Result<LoadedScene>) -> String {
         Ok(scene) => scene.warnings.iter().map(|warning| format!("{warning}\n")).collect(),
         Err(error) => error.to_string(),
     }
+}
+
+/// What is said of a file, and then of its image.
+fn told_with_the_image(file: &File) -> String {
+    let warnings = told(loaded(file));
+    let seen = systems::warnings(&ready(loaded(file)), Path::new("a.glb"));
+    seen.iter().fold(warnings, |told, warning| format!("{told}\n{warning}"))
 }
 
 fn told_of_bytes(bytes: &[u8]) -> String {
@@ -44,18 +52,18 @@ fn stocked() -> File {
 }
 
 /// `square` and `stocked` are edited as the lines say; `byte` changes some of the square as a binary file, `content` is all
-/// that a file has, and `buffer` names what the square's buffer is.
+/// that a file has, `buffer` names what the square's buffer is, and `image` asks what is said of the square's image too.
 #[test]
 fn files_that_are_wrong_are_told_with_the_places() {
     let folder = folder();
     put(folder.path(), "short.bin", [0; 10]);
+    put(folder.path(), "whole.bin", square().bytes);
     let whole = square().glb();
-    let of = |file: File, changes: &str| {
-        told(loaded(&File { json: edited(file.json, changes), bytes: file.bytes }))
-    };
+    let of = |file: File, changes: &str| File { json: edited(file.json, changes), ..file };
     transcript::check("gltf", |input, more| match input.split(' ').collect::<Vec<_>>()[..] {
-        ["square"] => of(square(), more),
-        ["stocked"] => of(stocked(), more),
+        ["square"] => told(loaded(&of(square(), more))),
+        ["stocked"] => told(loaded(&of(stocked(), more))),
+        ["image"] => told_with_the_image(&of(square(), more)),
         ["byte", place, ref values @ ..] => {
             let mut wrong = whole.clone();
             let place: usize = place.parse().expect("a number");
@@ -76,22 +84,6 @@ fn files_that_are_wrong_are_told_with_the_places() {
         }
         _ => panic!("{input}"),
     });
-}
-
-/// Whatever else names it and in whatever order, a child is where its first parent places it.
-#[test]
-fn a_node_that_is_named_twice_is_shown_once() {
-    let mut file = square();
-    file.push("nodes", json!({"children": [0], "translation": [0.5, 0.25, 0]}));
-    file.push("nodes", json!({"children": [0, 0], "scale": [2, 2, 2]}));
-    let of = |roots: Value| image(&file.with("/scenes/0/nodes", roots));
-    let expected = of(json!([3, 1, 2]));
-    for roots in [json!([0, 3, 1, 2, 3]), json!([1, 3, 4, 0, 2]), json!([3, 1, 2, 4])] {
-        assert!(of(roots.clone()).same_bits(&expected), "{roots}");
-    }
-    let without_parent = of(json!([0, 1, 2]));
-    assert!(without_parent.same_bits(&image(&square())));
-    assert!(!without_parent.same_bits(&expected));
 }
 
 /// A small file that names the same bytes again and again.

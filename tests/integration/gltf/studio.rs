@@ -5,10 +5,8 @@ use wavecrest_scene::components::{AreaLight, DirectionalLight, PointLight};
 use wavecrest_scene::load::LoadOptions;
 use wavecrest_scene::load::lighting::{Lighting, Rig};
 use wavecrest_scene::load::load_gltf as load_bytes;
-use wavecrest_scene::systems;
 
-use super::{File, image, loaded, small, square};
-use crate::support::ready;
+use super::{File, image, small, square};
 
 /// The numbers of lamps of the studio, of point lights and of emissive meshes; and the note.
 fn lights(file: &File, rig: Option<Rig>) -> ([usize; 3], String) {
@@ -37,18 +35,25 @@ fn with_lamp(emission: f64) -> File {
     file
 }
 
+/// Weak lamps and dead lights leave the studio on; lights on request replace those of the file but not its emission, and
+/// without lights a lamp shows its emission and lights nothing.
 #[test]
-fn weak_lamps_and_dead_lights_leave_the_studio_on() {
-    let (counts, note) = lights(&with_lamp(1.0), None);
-    assert_eq!(counts, [2, 0, 1]);
-    assert!(note.contains("no lights but weak emission: studio lights"), "{note}");
-    let (counts, note) = lights(&with_lamp(200.0), None);
-    assert_eq!(counts, [0, 0, 1]);
-    assert!(note.contains("(exposure)"), "{note}");
-    let dead = square().with("/extensions/KHR_lights_punctual/lights/0/intensity", 0);
-    let (counts, note) = lights(&dead, None);
-    assert_eq!(counts, [2, 0, 0]);
-    assert!(note.contains("no lights with power: studio lights"), "{note}");
+fn the_studio_is_on_where_nothing_else_lights_a_file_or_on_request() {
+    let dead = || square().with("/extensions/KHR_lights_punctual/lights/0/intensity", 0);
+    for (file, rig, counts, words) in [
+        (with_lamp(1.0), None, [2, 0, 1], "no lights but weak emission: studio lights"),
+        (with_lamp(200.0), None, [0, 0, 1], "(exposure)"),
+        (dead(), None, [2, 0, 0], "no lights with power: studio lights"),
+        (square(), None, [0, 1, 0], ""),
+        (square(), Some(Rig::Studio), [2, 0, 0], "the lights of the file are replaced: studio"),
+        (with_lamp(200.0), Some(Rig::Studio), [2, 0, 1], ""),
+        (square(), Some(Rig::Headlight), [0, 1, 0], ""),
+        (with_lamp(200.0), Some(Rig::None), [0, 0, 0], ""),
+    ] {
+        let (found, note) = lights(&file, rig);
+        assert_eq!(found, counts, "{note}");
+        assert!(note.contains(words), "{note}");
+    }
 }
 
 /// A lamp near a corner of the square, as bright as it may be: only there is anything white, and the rest
@@ -66,50 +71,5 @@ fn a_lamp_near_a_surface_leaves_it_its_shape() {
         seen.sort_by(f64::total_cmp);
         let (most, brightest) = (seen[seen.len() * 95 / 100], seen[seen.len() - 1]);
         assert!(most <= 1.0 && brightest > 0.9, "{height}: {most} {brightest}");
-    }
-}
-
-#[test]
-fn lights_on_request_replace_those_of_the_file_but_not_its_emission() {
-    let (counts, note) = lights(&square(), Some(Rig::Studio));
-    assert_eq!(counts, [2, 0, 0]);
-    assert!(note.contains("the lights of the file are replaced: studio lights"), "{note}");
-    assert_eq!(lights(&square(), None).0, [0, 1, 0]);
-    assert_eq!(lights(&with_lamp(200.0), Some(Rig::Studio)).0, [2, 0, 1]);
-    assert_eq!(lights(&square(), Some(Rig::Headlight)).0, [0, 1, 0]);
-    // Then a lamp shows its emission and lights nothing.
-    assert_eq!(lights(&with_lamp(200.0), Some(Rig::None)).0, [0, 0, 0]);
-}
-
-#[test]
-fn an_empty_image_is_told_with_the_reason() {
-    let told = |file: &File| {
-        let mut loaded = loaded(file).expect("it is right");
-        let warnings = std::mem::take(&mut loaded.warnings);
-        let found = systems::warnings(&ready(Ok(loaded)), "a.glb".as_ref());
-        warnings.iter().chain(&found).map(|w| format!("{w}\n")).collect::<String>()
-    };
-    assert_eq!(told(&square()), "");
-    let mut turned = square();
-    turned.json["nodes"][0]["rotation"] = json!([0, 1, 0, 0]);
-    let found = told(&turned);
-    assert!(found.contains("set \"doubleSided\" of its material to true, or flip"), "{found}");
-    let mut away = square();
-    away.json["nodes"][1]["rotation"] = json!([0, 1, 0, 0]);
-    let found = told(&away);
-    assert!(
-        found.contains("the image looks empty: the camera sees nothing of the scene"),
-        "{found}"
-    );
-    for (mode, alpha) in [("MASK", 0.4), ("BLEND", 0.0)] {
-        let mut faint = square();
-        faint.json["materials"][0]["alphaMode"] = mode.into();
-        faint.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = json!(alpha);
-        let found = told(&faint);
-        assert!(
-            found.contains("nothing is left of the scene: all its surfaces are left out"),
-            "{found}"
-        );
-        assert!(!found.contains("no node of the scene"), "{found}");
     }
 }
