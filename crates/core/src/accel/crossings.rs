@@ -216,4 +216,4 @@ pub(super) fn cross_each<P: Arithmetic>(
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

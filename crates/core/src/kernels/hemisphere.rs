@@ -122,14 +122,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_colour_goes_from_the_grounds_to_the_skys() {
-        let (sky, ground) = (DVec3::new(0.5, 0.75, 1.0), DVec3::new(0.25, 0.125, 0.0));
-        let light = Hemisphere::new(sky, ground, DVec3::Z, false);
-        let at = |normal: Vec3| Vec3::from(light.at::<f32>(normal.into()));
-        assert_eq!(at(Vec3::Z), sky.as_vec3());
-        assert_eq!(at(Vec3::NEG_Z), ground.as_vec3());
-        assert_eq!(at(Vec3::X), ((sky + ground) / 2.0).as_vec3());
-        // A normal that is slightly too long from rounding.
-        assert!(at(Vec3::NEG_Z * 1.000_000_2).min_element() >= 0.0);
+    fn a_normal_that_is_too_long_from_rounding_gives_no_negative_light() {
+        let light = Hemisphere::new(DVec3::ONE, DVec3::ZERO, DVec3::Z, false);
+        let found = Vec3::from(light.at::<f32>((Vec3::NEG_Z * 1.000_000_2).into()));
+        assert!(found.min_element() >= 0.0, "{found}");
     }
 }

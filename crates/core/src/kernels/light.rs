@@ -411,10 +411,4 @@ mod tests {
         let parallel = Emitter::Distant(Distant::new(DVec3::Y, 0.0, 3.0));
         assert_eq!(parallel.only_point(), Some(Vec3::Y * 8.0));
     }
-
-    #[test]
-    fn triangles_without_area_are_refused() {
-        assert_eq!(Triangles::new(vec![]), None);
-        assert_eq!(Triangles::new(vec![[Vec3::X, Vec3::X, Vec3::Y]]), None);
-    }
 }

@@ -172,24 +172,4 @@ mod tests {
         }
         assert_eq!([1, 511, 512, 1 << 24].map(|n| Blocks::new(n).count()), [1, 1, 2, 64]);
     }
-
-    #[test]
-    fn tiles_cover_the_window_once() {
-        for (window, edge) in [
-            (Tile { x: 3, y: 5, width: 21, height: 17 }, 8),
-            (Tile { x: 0, y: 0, width: 16, height: 16 }, 8),
-            (Tile { x: 9, y: 0, width: 1, height: 30 }, 64),
-        ] {
-            let grid = Grid::new(window, edge);
-            let mut seen = std::collections::BTreeSet::new();
-            for tile in (0..grid.len()).map(|number| grid.tile(number)) {
-                assert!(!tile.is_empty());
-                for index in 0..tile.len() as u32 {
-                    assert!(seen.insert(tile.pixel(index)), "{tile:?}");
-                }
-            }
-            let all = (0..window.len() as u32).map(|index| window.pixel(index)).collect();
-            assert_eq!(seen, all);
-        }
-    }
 }

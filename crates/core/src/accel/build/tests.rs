@@ -231,17 +231,3 @@ fn the_heuristic_expects_what_areas_say() {
     let two = [Vec3::ZERO, Vec3::X * 10.0].map(|center| Quadric::Sphere(center, 1.0));
     assert_eq!(expected(two.to_vec()), [1.0, apart]);
 }
-
-#[test]
-fn the_default_preset_grows_with_the_work() {
-    for (primitives, rays, expected) in [
-        (18_000_000, 1_000_000, Preset::OnDemand),
-        (500_000, 1_000_000, Preset::Fastest),
-        (1_000_000, 6_000_000, Preset::VeryFast),
-        (100_000, 1_600_000, Preset::Fast),
-        (100_000, 1_000_000_000, Preset::Fast),
-        (0, 0, Preset::OnDemand),
-    ] {
-        assert_eq!(Preset::choose(primitives, rays), expected);
-    }
-}

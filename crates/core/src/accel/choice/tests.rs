@@ -6,14 +6,8 @@ use crate::accel::build::Preset;
 use crate::accel::tests::{Numbers, answers, bumpy_sphere, through};
 use crate::accel::{Accel, KernelChoice};
 use crate::counters::{KernelCounts, Kernels};
-use crate::geometry::Geometry;
-use crate::kernels::Precision;
 use crate::math::simd::Level;
 use crate::math::{Ray, is_wide};
-
-fn accel() -> Accel {
-    Accel::new(bumpy_sphere(50), Preset::Fast)
-}
 
 /// From one point, in blocks of 8 by 8, all to one side of it along each axis. They are no
 /// multiple of a block.
@@ -28,13 +22,9 @@ fn coherent() -> Vec<Ray> {
     (0..64 * 64 - 7).map(ray).collect()
 }
 
-fn random() -> Vec<Ray> {
-    through(&mut Numbers(2), 2000)
-}
-
 /// What was counted with each kernel.
 fn counted(rays: &[Ray]) -> [Kernels; 5] {
-    let mut accel = accel();
+    let mut accel = Accel::new(bumpy_sphere(50), Preset::Fast);
     let mut usual = None;
     KernelChoice::ALL.map(|kernel| {
         accel.kernel = kernel;
@@ -86,7 +76,7 @@ fn coherent_rays_are_taken_by_whom_was_chosen() {
 
 #[test]
 fn rays_with_nothing_in_common_are_taken_by_packets_only_where_that_is_asked() {
-    let rays = random();
+    let rays = through(&mut Numbers(2), 2000);
     let [auto, packet, ..] = counted(&rays);
     for class in [auto.closest, auto.shadow, packet.closest, packet.shadow] {
         // Directions of either sign, or longest along different axes, are unfit for a packet.
@@ -103,23 +93,4 @@ fn rays_with_nothing_in_common_are_taken_by_packets_only_where_that_is_asked() {
     let [auto, packet, ..] = counted(&one_sided);
     assert!(auto.closest.packet < 2000, "{auto:?}");
     assert_eq!(packet.closest.packet, 2000, "{packet:?}");
-}
-
-#[test]
-fn the_reference_takes_rays_alone_and_is_the_single_kernel_of_fast_precision() {
-    let rays = random();
-    for precision in Precision::ALL {
-        let mut accel = Accel::new(Geometry { precision, ..bumpy_sphere(50) }, Preset::Fast);
-        let [(single, any), (reference, any_reference)] =
-            [KernelChoice::Single, KernelChoice::Reference].map(|kernel| {
-                accel.kernel = kernel;
-                let mut traversal = accel.traversal();
-                let found = answers(&accel, &rays, &mut traversal);
-                let [closest, shadow] = [traversal.kernels.closest, traversal.kernels.shadow];
-                assert_eq!([closest.single, shadow.single], [rays.len() as u64; 2]);
-                found
-            });
-        assert!(any == any_reference);
-        assert!(single == reference);
-    }
 }

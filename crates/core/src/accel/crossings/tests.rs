@@ -18,7 +18,7 @@ fn crossings(accel: &Accel, ray: &Ray) -> Vec<Hit> {
 }
 
 /// The crossings of rays by brute force, which every tree and instruction level must find.
-fn checked(geometry: &Geometry, rays: &[Ray]) -> Vec<Vec<Hit>> {
+pub(crate) fn checked(geometry: &Geometry, rays: &[Ray]) -> Vec<Vec<Hit>> {
     let brute = Accel::new(geometry.clone(), Preset::Brute);
     let expected: Vec<_> = rays.iter().map(|ray| crossings(&brute, ray)).collect();
     for preset in [Preset::OnDemand, Preset::VeryFast, Preset::Medium] {

@@ -64,17 +64,6 @@ mod tests {
     }
 
     #[test]
-    fn light_falls_between_the_angles_by_the_formula() {
-        assert_eq!(
-            [at(20.0, 40.0, 0.0), at(20.0, 40.0, 19.9), at(20.0, 40.0, 40.1)],
-            [1.0, 1.0, 0.0]
-        );
-        let cos = |degrees: f64| degrees.to_radians().cos();
-        let part = (cos(30.0) - cos(40.0)) / (cos(20.0) - cos(40.0));
-        assert!((f64::from(at(20.0, 40.0, 30.0)) - part * part).abs() < 1e-6);
-    }
-
-    #[test]
     fn a_hard_edge_is_at_its_angle_even_where_the_cone_is_a_needle() {
         for outer in [1e-4, 0.01, 1.0, 45.0, 89.0] {
             assert_eq!(

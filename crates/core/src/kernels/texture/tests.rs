@@ -34,10 +34,6 @@ fn the_level_is_the_logarithm_of_the_longer_side_in_texels() {
     assert_eq!(level(&image, [2.0, 0.0], [0.0, 0.5]), 1.0);
     assert_eq!(level(&image, [-2.0, 0.0], [0.0, 4.0]), 2.0, "v counts in rows");
     assert_eq!(level(&image, [1e30, 0.0], [0.0, 0.5]), 6.0);
-    for side in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
-        assert_eq!(level(&image, [1.0, 0.0], [side, 0.0]), 6.0, "{side}");
-        assert_eq!(level(&image, [1.0, side], [1.0, 0.0]), 6.0, "{side}");
-    }
 }
 
 #[test]
@@ -62,12 +58,4 @@ fn levels_are_bilinear_and_between_them_linear() {
     let (half, between) = at(0.5);
     assert!(half.distance((finest + at(1.0).0) / 2.0) < 1e-6 && between == 1, "{half}");
     assert_eq!(gradient(7, 5).look_up_at(uv, 1.5, Wrap::Repeat), (finest.into(), 0), "no pyramid");
-}
-
-#[test]
-fn the_edges_of_a_mirrored_image_meet_themselves() {
-    let image = gradient(4, 1);
-    for (u, texel) in [(0.0, 0.0), (1.0, 0.3), (-1.0, 0.3), (5.0, 0.3)] {
-        assert_eq!(image.look_up([u, 0.5], Filter::Bilinear, Wrap::Mirror).x, texel);
-    }
 }
