@@ -150,7 +150,9 @@ fn open(path: &Path) -> Result<(File, u64)> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     /// Reads a file in several `ways`, and checks that they give the same mesh, or the same words.
@@ -173,6 +175,15 @@ mod tests {
             }
         }
         read.into_iter().next().expect("a way").0
+    }
+
+    /// A strip of so many triangles, without attributes.
+    pub(crate) fn strip(count: u32) -> MeshData {
+        MeshData {
+            positions: (0..count + 2).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.0)).collect(),
+            triangles: (0..count).map(|i| [i, i + 1, i + 2]).collect(),
+            ..MeshData::default()
+        }
     }
 
     /// Numbers that look random and are the same in every run.

@@ -7,7 +7,6 @@ pub(crate) mod approved;
 mod changes;
 mod corners;
 mod files;
-mod limits;
 mod tables;
 mod walk;
 

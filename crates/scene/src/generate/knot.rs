@@ -155,20 +155,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn frames_are_square_and_close() {
-        for i in 0..50 {
-            let angle = f64::from(i) * 0.1;
-            let frame = frame(angle);
-            let step = 1e-6;
-            let tangent = super::frame(angle + step).centre - super::frame(angle - step).centre;
-            let tangent = tangent.normalize();
-            assert!(tangent.dot(frame.normal).abs() < 1e-9);
-            assert!(tangent.dot(frame.binormal).abs() < 1e-9);
-            assert!((frame.binormal.length() - 1.0).abs() < 1e-12);
-        }
-        assert!(frame(0.0).centre.distance(frame(TAU).centre) < 1e-13);
-        assert!(frame(0.0).normal.distance(frame(TAU).normal) < 1e-13);
-    }
 }

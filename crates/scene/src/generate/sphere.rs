@@ -143,31 +143,3 @@ impl Surface for SphereGrid {
         cell_triangle(corners, leans_forward, t % 2)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn triangles_are_even() {
-        let sphere = SphereGrid::new(40, 0.0, 0);
-        let areas: Vec<f64> = (0..12 * 40 * 40)
-            .map(|t| {
-                let [a, b, c] = sphere.triangle(t).map(|v| sphere.position(u64::from(v)));
-                (b - a).cross(c - a).length() / 2.0
-            })
-            .collect();
-        let least = areas.iter().copied().fold(f64::MAX, f64::min);
-        let most = areas.iter().copied().fold(0.0, f64::max);
-        assert!(most / least < 2.0, "{}", most / least);
-    }
-
-    #[test]
-    fn without_displacement_it_is_round() {
-        let sphere = SphereGrid::new(5, 0.0, 3);
-        for v in 0..sphere.vertices() {
-            assert!((sphere.position(v).length() - 1.0).abs() < 1e-15);
-            assert!(sphere.normal(v).dot(sphere.position(v)) > 1.0 - 1e-12);
-        }
-    }
-}

@@ -268,32 +268,3 @@ fn triangles(mode: Mode, corners: &[u32], notes: &Notes<'_>, path: &str) -> Vec<
         },
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use super::*;
-
-    fn made(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
-        let notes = Notes::new(Path::new("a.gltf"), false, false);
-        triangles(mode, corners, &notes, "meshes[0]")
-    }
-
-    #[test]
-    fn strips_and_fans_keep_one_front() {
-        assert_eq!(made(Mode::Triangles, &[5, 6, 7, 8]), [[5, 6, 7]]);
-        assert_eq!(made(Mode::Strip, &[0, 1, 2, 3, 4]), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
-        assert_eq!(made(Mode::Fan, &[0, 1, 2, 3]), [[1, 2, 0], [2, 3, 0]]);
-        for mode in [Mode::Triangles, Mode::Strip, Mode::Fan] {
-            assert!(made(mode, &[]).is_empty() && made(mode, &[1, 2]).is_empty());
-        }
-    }
-
-    #[test]
-    fn vertices_at_no_corner_are_left_out_where_they_are_most() {
-        let corners = vec![90, 7, 90, 30];
-        assert_eq!(compacted(corners.clone(), 8), (corners.clone(), None));
-        assert_eq!(compacted(corners, 100), (vec![2, 0, 2, 1], Some(vec![7, 30, 90])));
-    }
-}

@@ -195,24 +195,21 @@ impl NewIndices {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::tests::strip;
 
-    /// A row of squares, with a normal for each triangle and coordinates and colours for each position.
-    fn strip(count: u32) -> MeshData {
-        let positions: Vec<Vec3> =
-            (0..count + 2).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.5)).collect();
+    /// A strip with a normal for each triangle, and coordinates and colours for each position.
+    fn full_strip(count: u32) -> MeshData {
+        let plain = strip(count);
+        let values = plain.positions.iter().map(|p| Vec2::new(p.x, p.y)).collect();
         let normals = (0..count).map(|i| Vec3::new(0.0, i as f32, 1.0)).collect();
         let indices = (0..count).map(|i| [i, NO_VALUE, i]).collect();
         MeshData {
-            uvs: Some(Attribute {
-                values: positions.iter().map(|p| Vec2::new(p.x, p.y)).collect(),
-                indices: None,
-            }),
-            colors: Some(positions.iter().map(|p| *p + 1.0).collect()),
-            alphas: Some(positions.iter().map(|p| p.x).collect()),
+            uvs: Some(Attribute { values, indices: None }),
+            colors: Some(plain.positions.iter().map(|p| *p + 1.0).collect()),
+            alphas: Some(plain.positions.iter().map(|p| p.x).collect()),
             normals: Some(Attribute { values: normals, indices: Some(indices) }),
-            triangles: (0..count).map(|i| [i, i + 1, i + 2]).collect(),
-            positions,
             origin: DVec3::X,
+            ..plain
         }
     }
 
@@ -231,7 +228,7 @@ mod tests {
 
     #[test]
     fn each_triangle_keeps_all_that_it_has_in_its_part() {
-        let mesh = strip(7);
+        let mesh = full_strip(7);
         let part = [3, 0, 3, 1, 1, 0, 3];
         let parts = mesh.clone().split(&part, 5);
         assert_eq!(parts.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [0, 1, 3]);
@@ -250,7 +247,7 @@ mod tests {
 
     #[test]
     fn a_mesh_of_one_part_stays_as_it_is() {
-        let mesh = strip(3);
+        let mesh = full_strip(3);
         assert_eq!(mesh.clone().split(&[1; 3], 2), [(1, mesh)]);
     }
 }

@@ -179,13 +179,22 @@ fn rewrite(polygon: Polygon, split: &[[u32; 3]], indices: &mut [[u32; 3]]) {
 mod tests {
     use super::*;
 
-    /// The triangles of one polygon through `points`.
-    fn triangulate(points: &[Vec3]) -> Vec<[u32; 3]> {
-        let corners: Vec<u32> = (0..points.len() as u32).collect();
-        let mut triangles: Vec<_> = fan(&corners).collect();
+    /// The fan of a polygon through `points`.
+    fn whole_fan(points: &[Vec3]) -> Vec<[u32; 3]> {
+        fan(&(0..points.len() as u32).collect::<Vec<_>>()).collect()
+    }
+
+    /// The triangles of one polygon through `points`, those of the same corners counted from 100, and what is said.
+    fn parts(points: &[Vec3]) -> (Vec<[u32; 3]>, Vec<[u32; 3]>, Option<Error>) {
+        let mut triangles = whole_fan(points);
+        let mut attribute: Vec<_> = triangles.iter().map(|t| t.map(|i| i + 100)).collect();
         let polygon = Polygon { first: 0, corners: points.len() as u32 };
-        split(&[polygon], points, &mut triangles, &mut []);
-        triangles
+        let note = split(&[polygon], points, &mut triangles, &mut [&mut attribute]);
+        (triangles, attribute, note)
+    }
+
+    fn triangulate(points: &[Vec3]) -> Vec<[u32; 3]> {
+        parts(points).0
     }
 
     fn area(points: &[Vec3], triangles: &[[u32; 3]]) -> (Vec3, f32) {
@@ -207,12 +216,14 @@ mod tests {
     }
 
     #[test]
-    fn convex_polygons_keep_their_fan() {
-        let quad = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
-        assert_eq!(triangulate(&quad), [[0, 1, 2], [0, 2, 3]]);
-        let hexagon: Vec<_> =
-            (0..6).map(|i| Vec3::new(0.0, (i as f32).cos(), (i as f32).sin())).collect();
-        assert_eq!(triangulate(&hexagon), [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
+    fn convex_polygons_and_those_without_area_keep_their_fan() {
+        let square = vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+        let on_circle = |i: u8| Vec3::new(0.0, f32::from(i).cos(), f32::from(i).sin());
+        let hexagon = (0..6).map(on_circle).collect();
+        let line = (0..4_u8).map(|i| Vec3::X * f32::from(i)).collect();
+        for points in [square, hexagon, vec![Vec3::ONE; 5], line] {
+            assert_eq!(triangulate(&points), whole_fan(&points), "{points:?}");
+        }
     }
 
     #[test]
@@ -248,8 +259,7 @@ mod tests {
                 assert_eq!(triangles.len(), 2 * spikes - 2);
                 // All triangles have the polygon's winding, so their area is the polygon's.
                 let (vector, total) = area(&points, &triangles);
-                let corners: Vec<u32> = (0..points.len() as u32).collect();
-                let (right, _) = area(&points, &fan(&corners).collect::<Vec<_>>());
+                let (right, _) = area(&points, &whole_fan(&points));
                 assert!((vector - right).length() < 1e-3 * total);
                 assert!((vector.length() - total).abs() < 1e-3 * total, "{spikes}");
             }
@@ -268,33 +278,18 @@ mod tests {
     }
 
     #[test]
-    fn polygons_without_area_keep_their_fan() {
-        let same = [Vec3::ONE; 5];
-        assert_eq!(triangulate(&same), [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
-        let line: Vec<_> = (0..4).map(|i| Vec3::X * i as f32).collect();
-        assert_eq!(triangulate(&line), [[0, 1, 2], [0, 2, 3]]);
-    }
-
-    #[test]
     fn attributes_follow_their_corners() {
         let points = star(4, |u, v| Vec3::new(u, v, 0.0));
-        let corners: Vec<u32> = (0..8).collect();
-        let mut triangles: Vec<_> = fan(&corners).collect();
-        let mut attribute: Vec<_> = triangles.iter().map(|t| t.map(|i| i + 100)).collect();
-        let polygon = Polygon { first: 0, corners: 8 };
-        split(&[polygon], &points, &mut triangles, &mut [&mut attribute]);
-        assert_ne!(triangles[..], fan(&corners).collect::<Vec<_>>()[..]);
+        let (triangles, attribute, _) = parts(&points);
+        assert_ne!(triangles, whole_fan(&points));
         assert!(triangles.iter().zip(&attribute).all(|(t, a)| t.map(|i| i + 100) == *a));
     }
 
     #[test]
     fn a_concave_polygon_with_too_many_corners_keeps_its_fan() {
         let points = star(MAX_EAR_CORNERS, |u, v| Vec3::new(u, v, 0.0));
-        let corners: Vec<u32> = (0..points.len() as u32).collect();
-        let mut triangles: Vec<_> = fan(&corners).collect();
-        let polygon = Polygon { first: 0, corners: points.len() as u32 };
-        let note = split(&[polygon], &points, &mut triangles, &mut []).unwrap();
-        assert!(note.to_string().contains("found 1"), "{note}");
-        assert_eq!(triangles[..], fan(&corners).collect::<Vec<_>>()[..]);
+        let (triangles, _, note) = parts(&points);
+        assert!(note.unwrap().to_string().contains("found 1"));
+        assert!(triangles == whole_fan(&points));
     }
 }

@@ -149,14 +149,7 @@ pub(super) fn find_first<T: Sync>(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn strip(count: u32) -> MeshData {
-        MeshData {
-            positions: (0..count + 2).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.0)).collect(),
-            triangles: (0..count).map(|i| [i, i + 1, i + 2]).collect(),
-            ..MeshData::default()
-        }
-    }
+    use crate::mesh::tests::strip;
 
     #[test]
     fn the_first_bad_vertex_is_named() {

@@ -181,35 +181,25 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn guessed(mesh: &Solid, usual: Up) -> (Up, bool) {
+    /// What is taken for up where another axis is `usual` in files of the format.
+    fn guessed(mesh: &Solid, usual: Up) -> Up {
         let contents = contents(mesh);
         let (up, why) = guess(&contents, &Grid::of(&contents).unwrap(), usual);
-        (up, why.is_some())
-    }
-
-    /// A pyramid whose base is a square perpendicular to z.
-    fn pyramid() -> Solid {
-        let base = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-        let points = base.map(|(x, y)| Vec3::new(x, y, 0.0)).into_iter().chain([Vec3::Z * 3.0]);
-        let triangles = [[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
-        (points.collect(), triangles.to_vec())
-    }
-
-    #[test]
-    fn what_stands_on_a_base_is_set_on_it() {
-        let mut mesh = pyramid();
-        assert_eq!(guessed(&mesh, Up::Y), (Up::Z, true));
-        assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
-        mesh.0.iter_mut().for_each(|p| *p = Vec3::new(p.x, p.z, -p.y));
-        assert_eq!(guessed(&mesh, Up::Z), (Up::Y, true));
-        // Without its base there is no evidence: it could lie on its rim.
-        mesh.1.drain(..2);
-        assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
+        assert_eq!(why.is_some(), up != usual, "what is not usual has a reason");
+        up
     }
 
     /// The points as in a file with y up.
     fn turned((points, triangles): Solid) -> Solid {
         (points.iter().map(|p| Vec3::new(p.x, p.z, -p.y)).collect(), triangles)
+    }
+
+    /// A pyramid whose base is a square perpendicular to z; the first two triangles are its base.
+    fn pyramid() -> Solid {
+        let base = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let points = base.map(|(x, y)| Vec3::new(x, y, 0.0)).into_iter().chain([Vec3::Z * 3.0]);
+        let triangles = [[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+        (points.collect(), triangles.to_vec())
     }
 
     /// A body of 3 by 1 on four legs, with a head at one end and a tail at the other; upright along z.
@@ -224,22 +214,12 @@ mod tests {
         boxes(&[&legs[..], &rest].concat())
     }
 
-    #[test]
-    fn a_horse_stands_on_its_legs_and_is_never_laid_down() {
-        assert_eq!(guessed(&horse(), Up::Y), (Up::Z, true));
-        assert_eq!(guessed(&horse(), Up::Z), (Up::Z, false));
-        assert_eq!(guessed(&turned(horse()), Up::Y), (Up::Y, false));
-        assert_eq!(guessed(&turned(horse()), Up::Z), (Up::Y, true));
-    }
-
-    #[test]
-    fn a_horse_that_steps_stands_on_its_legs_too() {
-        // Its body along y, a hoof of each pair in the air.
+    /// A horse whose body is along y, with a hoof of each pair in the air.
+    fn stepping_horse() -> Solid {
         let mut mesh = horse();
         mesh.0.iter_mut().take(16).filter(|p| p.z == 0.0).for_each(|p| p.z = 0.2);
         mesh.0.iter_mut().for_each(|p| *p = Vec3::new(-p.y, p.x, p.z));
-        assert_eq!(guessed(&mesh, Up::Y), (Up::Z, true));
-        assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
+        mesh
     }
 
     /// The ground and the walls of a courtyard of 6 by 10; upright along z.
@@ -256,41 +236,36 @@ mod tests {
         mesh
     }
 
-    #[test]
-    fn a_courtyard_lies_on_its_ground_and_a_cupboard_stands_on_its_base() {
-        assert_eq!(guessed(&courtyard(), Up::Y), (Up::Z, true));
-        assert_eq!(guessed(&courtyard(), Up::Z), (Up::Z, false));
-        assert_eq!(guessed(&turned(courtyard()), Up::Y), (Up::Y, false));
-        // Neither its ground nor its walls need be even.
-        let mut scan = courtyard();
-        scan.0.iter_mut().take(2).for_each(|p| p.z = 0.3);
-        scan.0.iter_mut().skip(32).for_each(|p| p.z *= 0.5);
-        assert_eq!(guessed(&scan, Up::Y), (Up::Z, true));
-        assert_eq!(guessed(&turned(scan), Up::Y), (Up::Y, false));
-        // A cupboard without doors has the same walls, and a back that is seen from behind.
-        let mut cupboard = courtyard();
-        cupboard.1.iter_mut().take(2).for_each(|triangle| triangle.swap(1, 2));
-        assert_eq!(guessed(&cupboard, Up::Y), (Up::Y, false));
+    /// A courtyard of which neither the ground nor the walls are even.
+    fn scanned_courtyard() -> Solid {
+        let mut mesh = courtyard();
+        mesh.0.iter_mut().take(2).for_each(|p| p.z = 0.3);
+        mesh.0.iter_mut().skip(32).for_each(|p| p.z *= 0.5);
+        mesh
     }
 
-    #[test]
-    fn a_room_with_an_open_front_is_not_laid_on_its_back() {
+    /// A cupboard without doors: the walls of a courtyard, and a back that is seen from behind.
+    fn cupboard() -> Solid {
+        let mut mesh = courtyard();
+        mesh.1.iter_mut().take(2).for_each(|triangle| triangle.swap(1, 2));
+        mesh
+    }
+
+    /// A room with an open front; upright along y.
+    fn room() -> Solid {
         let mut mesh = boxes(&[([0.0; 3], [4.0, 3.0, 4.0]), ([1.0, 0.0, 1.0], [2.0, 1.0, 2.0])]);
         mesh.1.drain(10..12);
         mesh.1.iter_mut().take(10).for_each(|triangle| triangle.swap(1, 2));
-        assert_eq!(guessed(&mesh, Up::Y), (Up::Y, false));
+        mesh
     }
 
-    #[test]
-    fn a_bird_in_flight_is_upright_by_its_sides() {
-        // A body, a head at one end of it and a tail at the other, seen from its left.
-        let bird = boxes(&[
+    /// A body, a head at one end of it and a tail at the other, seen from its left; upright along z.
+    fn bird() -> Solid {
+        boxes(&[
             ([0.0, 0.4, 0.5], [2.0, 1.1, 1.2]),
             ([1.8, 0.6, 1.0], [2.4, 0.9, 1.6]),
             ([0.7, 0.0, 1.1], [1.2, 1.5, 1.2]),
-        ]);
-        assert_eq!(guessed(&bird, Up::Y), (Up::Z, true));
-        assert_eq!(guessed(&bird, Up::Z), (Up::Z, false));
+        ])
     }
 
     /// A seat on four legs, with a back; upright along z, seen from -y.
@@ -301,32 +276,40 @@ mod tests {
         boxes(&[leg(0.0, 0.0), leg(0.9, 0.0), leg(0.0, 0.9), leg(0.9, 0.9), seat, back])
     }
 
-    #[test]
-    fn a_chair_stands_on_its_legs() {
-        let mut mesh = chair();
-        assert_eq!(guessed(&mesh, Up::Y), (Up::Z, true));
-        assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
-        // Upright along y, it could also lie on its back.
-        mesh.0.iter_mut().for_each(|p| *p = Vec3::new(p.x, p.z, -p.y));
-        assert_eq!(guessed(&mesh, Up::Y), (Up::Y, false));
-    }
-
-    #[test]
-    fn terrain_lies_on_its_back() {
+    /// A sheet with hills; upright along z.
+    fn terrain() -> Solid {
         let height = |x: i32, y: i32| (x * 7 + y * 3).rem_euclid(5) as f32 / 5.0;
         let points = (0..100).map(|i| (i % 10, i / 10));
-        let points: Vec<Vec3> =
-            points.map(|(x, y)| Vec3::new(x as f32, y as f32, height(x, y))).collect();
+        let points = points.map(|(x, y)| Vec3::new(x as f32, y as f32, height(x, y)));
         let corners = (0..81u32).map(|i| i / 9 * 10 + i % 9);
-        let triangles: Vec<[u32; 3]> =
-            corners.flat_map(|i| [[i, i + 1, i + 11], [i, i + 11, i + 10]]).collect();
-        assert_eq!(guessed(&(points, triangles), Up::Y), (Up::Z, true));
+        let triangles = corners.flat_map(|i| [[i, i + 1, i + 11], [i, i + 11, i + 10]]);
+        (points.collect(), triangles.collect())
     }
 
     #[test]
-    fn a_cube_is_left_as_it_is() {
-        let mesh = boxes(&[([0.0; 3], [1.0; 3])]);
-        assert_eq!(guessed(&mesh, Up::Y), (Up::Y, false));
-        assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
+    fn things_stand_as_they_would() {
+        let bare = |(points, triangles): Solid| (points, triangles[2..].to_vec());
+        for (what, mesh, where_y_is_usual, where_z_is_usual) in [
+            ("a pyramid stands on its base", pyramid(), Up::Z, Up::Z),
+            ("and so it does where y is up", turned(pyramid()), Up::Y, Up::Y),
+            ("without its base it could lie on its rim", bare(turned(pyramid())), Up::Y, Up::Z),
+            ("a horse stands on its legs", horse(), Up::Z, Up::Z),
+            ("and is never laid down", turned(horse()), Up::Y, Up::Y),
+            ("a horse that steps stands too", stepping_horse(), Up::Z, Up::Z),
+            ("a courtyard lies on its ground", courtyard(), Up::Z, Up::Z),
+            ("and so it does where y is up", turned(courtyard()), Up::Y, Up::Y),
+            ("a scan of a courtyard likewise", scanned_courtyard(), Up::Z, Up::Z),
+            ("and where y is up", turned(scanned_courtyard()), Up::Y, Up::Y),
+            ("a cupboard stands on its base", cupboard(), Up::Y, Up::Z),
+            ("a room is not laid on its back", room(), Up::Y, Up::Z),
+            ("a bird in flight is upright by its sides", bird(), Up::Z, Up::Z),
+            ("a chair stands on its legs", chair(), Up::Z, Up::Z),
+            ("but upright along y it could lie on its back", turned(chair()), Up::Y, Up::Z),
+            ("terrain lies on its back", terrain(), Up::Z, Up::Z),
+            ("a cube is left as it is", boxes(&[([0.0; 3], [1.0; 3])]), Up::Y, Up::Z),
+        ] {
+            let found = [Up::Y, Up::Z].map(|usual| guessed(&mesh, usual));
+            assert_eq!(found, [where_y_is_usual, where_z_is_usual], "{what}");
+        }
     }
 }

@@ -57,7 +57,11 @@ fn consequences(changes: &str, before: &Parts) -> String {
             (Some(("", value)), _) => scene = value.parse().unwrap(),
             (Some((path, value)), _) => scene = set(scene, path.trim(), value.parse().unwrap()),
             (_, Some(path)) => scene = remove(scene, path),
-            _ => options.strict = change == "strict",
+            _ => match change.split_once(' ') {
+                Some(("width", side)) => options.width = side.parse().ok(),
+                Some((_, side)) => options.height = side.parse().ok(),
+                None => options.strict = change == "strict",
+            },
         }
     }
     let short = |text: String| text.replace("s.json: ", "");

@@ -124,34 +124,11 @@ mod tests {
         }
     }
 
-    /// The tangents of the first triangle, and the resulting directions of v.
-    fn first(uvs: [[f32; 2]; 4]) -> Vec<(Vec3, Vec3)> {
-        let found = tangents(&square(uvs)).expect("tangents");
-        let corners = found.corners(0, [0, 1, 2]).expect("three of them");
-        let both = |t: Vec4| (t.truncate(), Vec3::Z.cross(t.truncate()) * t.w);
-        corners.map(both).to_vec()
-    }
-
-    #[test]
-    fn tangents_are_where_the_coordinates_grow() {
-        for (uvs, u, v) in [
-            ([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], Vec3::X, Vec3::Y),
-            ([[0.0, 0.0], [3.0, 0.0], [3.0, 0.5], [0.0, 0.5]], Vec3::X, Vec3::Y),
-            // Mirrored, rotated, and both.
-            ([[1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [1.0, 1.0]], Vec3::NEG_X, Vec3::Y),
-            ([[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], Vec3::Y, Vec3::NEG_X),
-            ([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]], Vec3::Y, Vec3::X),
-        ] {
-            for (along_u, along_v) in first(uvs) {
-                assert!(along_u.distance(u) < 1e-6 && along_v.distance(v) < 1e-6, "{uvs:?}");
-            }
-        }
-    }
-
     #[test]
     fn coordinates_without_area_and_meshes_without_any_are_no_fault() {
         for uvs in [[[0.5, 0.5]; 4], [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]] {
-            assert!(first(uvs).iter().all(|(u, v)| u.is_finite() && v.is_finite()));
+            let found = tangents(&square(uvs)).expect("tangents");
+            assert!(found.values.iter().all(|tangent| tangent.is_finite()));
         }
         let mut mesh = square([[f32::MAX, 0.0], [-f32::MAX, 1e-40], [0.0, 1.0], [1.0, 1.0]]);
         let found = tangents(&mesh).expect("tangents");

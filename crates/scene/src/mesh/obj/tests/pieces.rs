@@ -17,9 +17,9 @@ fn random_text(seed: u64, lines: u64, wrong: u64, back: bool) -> String {
     let mut text = String::new();
     let mut counts = [0_u64; 3];
     let number = |dice: &mut Dice| {
-        let bad = wrong > 0 && dice.below(8 * wrong) == 0;
+        let bad = wrong > 0 && dice.one_in(8 * wrong);
         match dice.below(8) {
-            _ if bad => ["1e99", "x", "1,5", "nan"][dice.below(4) as usize].to_owned(),
+            _ if bad => dice.of(&["1e99", "x", "1,5", "nan"]).to_owned(),
             0 => format!("{}e-{}", dice.below(100), dice.below(9)),
             1 => format!("-.{}", dice.below(1000)),
             k => format!("{}.{:0w$}", dice.below(100), dice.below(100_000), w = k as usize + 4),
@@ -27,11 +27,8 @@ fn random_text(seed: u64, lines: u64, wrong: u64, back: bool) -> String {
     };
     for line in 0..lines {
         let kind = if line < 3 { 0 } else { dice.below(9) };
-        let [begin, end] = [
-            ["", "  "][dice.below(2) as usize],
-            ["\n", " \r\n", " # f 1\n"][dice.below(3) as usize],
-        ];
-        text += begin;
+        text += dice.of(&["", "  "]);
+        let end = dice.of(&["\n", " \r\n", " # f 1\n"]);
         match kind {
             0..4 => {
                 let keyword = kind.min(2) as usize;
@@ -39,16 +36,16 @@ fn random_text(seed: u64, lines: u64, wrong: u64, back: bool) -> String {
                 text += ["v", "vt", "vn"][keyword];
                 (0..3).for_each(|_| text += &format!(" {}", number(&mut dice)));
             }
-            4 => text += ["# f 9 9 9", "g a \\", "", "usemtl f 1"][dice.below(4) as usize],
+            4 => text += dice.of(&["# f 9 9 9", "g a \\", "", "usemtl f 1"]),
             _ => {
                 text += "f";
                 for _ in 0..3 + dice.below(3) {
                     let parts = [0, 1, 2].map(|k| {
-                        let bad = wrong > 0 && dice.below(wrong) == 0;
+                        let bad = wrong > 0 && dice.one_in(wrong);
                         match counts[k] {
                             _ if bad => "0".to_owned(),
                             0 => String::new(),
-                            n if back && dice.below(4) == 0 => format!("-{}", 1 + dice.below(n)),
+                            n if back && dice.one_in(4) => format!("-{}", 1 + dice.below(n)),
                             n => (1 + dice.below(n)).to_string(),
                         }
                     });

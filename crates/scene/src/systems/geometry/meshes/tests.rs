@@ -3,6 +3,7 @@ use glam::{DMat3, DVec3};
 use super::*;
 use crate::components::{JsonPath, Order, Transform, Triangle};
 use crate::mesh::Attribute;
+use crate::mesh::tests::strip;
 use crate::options::lighting::Lighting;
 use crate::staging;
 use crate::systems::frame::Frame;
@@ -12,15 +13,6 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::shade::Visible;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::prepared::Shape;
-
-/// A strip of `count` triangles, whose first corner is `x`.
-fn strip(count: u32, x: f32) -> MeshData {
-    MeshData {
-        positions: (0..count + 2).map(|i| Vec3::new(i as f32 + x, (i % 2) as f32, 0.0)).collect(),
-        triangles: (0..count).map(|i| [i, i + 1, i + 2]).collect(),
-        ..MeshData::default()
-    }
-}
 
 fn spawn(world: &mut World, order: u32, data: MeshData) -> hecs::Entity {
     let path = JsonPath(format!("scene.shapes[{order}]"));
@@ -42,7 +34,7 @@ fn several_meshes_stand_one_behind_the_other() {
     // An empty mesh and a triangle between them, and one in the place of the first.
     for empty_first in [false, true] {
         let mut world = World::new();
-        let mut meshes = vec![strip(40_000, 0.0), MeshData::default(), strip(70_000, 0.5)];
+        let mut meshes = vec![strip(40_000), MeshData::default(), strip(70_000)];
         if empty_first {
             meshes.insert(0, MeshData { positions: vec![Vec3::ONE; 7], ..MeshData::default() });
         }
@@ -75,7 +67,7 @@ fn several_meshes_stand_one_behind_the_other() {
 
 #[test]
 fn a_transform_carries_every_position_in_place() {
-    let (mut world, data) = (World::new(), strip(60_000, 0.0));
+    let (mut world, data) = (World::new(), strip(60_000));
     let (place, before) = (data.positions.as_ptr(), data.positions.clone());
     let transform = DAffine3::from_mat3_translation(
         DMat3::from_diagonal(DVec3::new(2.0, -1.0, 3.0)),
@@ -91,7 +83,7 @@ fn a_transform_carries_every_position_in_place() {
 
 #[test]
 fn the_first_position_moved_too_far_is_reported() {
-    let (mut world, mut data) = (World::new(), strip(60_000, 0.0));
+    let (mut world, mut data) = (World::new(), strip(60_000));
     data.positions[40_000].x = MAX_COORDINATE / 2.0;
     data.positions[50_000].x = MAX_COORDINATE;
     let entity = spawn(&mut world, 0, data);
@@ -107,7 +99,7 @@ fn the_first_position_moved_too_far_is_reported() {
 #[test]
 fn attributes_that_nothing_reads_are_dropped() {
     let mut world = World::new();
-    let mut data = strip(10, 0.0);
+    let mut data = strip(10);
     data.normals = Some(Attribute { values: vec![Vec3::Z; 12], indices: None });
     spawn(&mut world, 0, data);
     let output = arrays(&mut world).unwrap();
