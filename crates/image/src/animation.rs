@@ -152,14 +152,4 @@ mod tests {
             assert_eq!(numerator / denominator, u32::from(MILLISECONDS));
         }
     }
-
-    #[test]
-    fn a_frame_that_fails_leaves_the_file_as_it_was() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.gif");
-        std::fs::write(&path, "old").unwrap();
-        let other = |number| if number < 2 { frame(number) } else { Film::new(9, 9) };
-        assert!(animation(&path).write(other).is_err());
-        assert_eq!(std::fs::read(&path).unwrap(), b"old");
-    }
 }

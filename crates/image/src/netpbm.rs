@@ -226,26 +226,17 @@ mod tests {
         assert!(parse(&bytes).unwrap().same_bits(&film()));
     }
 
+    /// A grey PFM from its end; white that is any number; comments; pixels like white space or a comment.
     #[test]
-    fn a_grey_big_endian_pfm_is_read() {
-        let mut bytes = b"Pf\n1 2\n1.0\n".to_vec();
-        bytes.extend(0.25f32.to_be_bytes());
-        bytes.extend(7.5f32.to_be_bytes());
-        assert_eq!(parse(&bytes).unwrap().pixels(), [[7.5; 3], [0.25; 3]]);
-    }
-
-    #[test]
-    fn white_may_be_any_number_and_comments_are_passed_over() {
-        let grey = parse(b"P5 # a comment\n#another\n 3\t1 15\n\x00\x03\xff").unwrap();
-        assert_eq!(grey.pixels(), [[0.0; 3], [0.2; 3], [1.0; 3]]);
-        let wide = parse(b"P6\n1 1\n65535\n\x00\x00\xff\xff\x33\x33").unwrap();
-        assert_eq!(wide.pixels(), [[0.0, 1.0, 0.2]]);
-    }
-
-    #[test]
-    fn pixels_may_look_like_white_space_or_a_comment() {
-        let film = parse(b"P5\n3 1\n255\n\n# ").unwrap();
-        assert_eq!(film.pixels()[1], [f32::from(b'#') / 255.0; 3]);
+    fn files_of_other_programs_are_read() {
+        for (bytes, pixels) in [
+            (&b"Pf\n1 2\n1.0\n\x3e\x80\0\0\x40\xf0\0\0"[..], &[[7.5; 3], [0.25; 3]][..]),
+            (b"P5 # a comment\n#another\n 3\t1 15\n\x00\x03\xff", &[[0.0; 3], [0.2; 3], [1.0; 3]]),
+            (b"P6\n1 1\n65535\n\x00\x00\xff\xff\x33\x33", &[[0.0, 1.0, 0.2]]),
+            (b"P5\n2 1\n255\n\n#", &[[10.0 / 255.0; 3], [35.0 / 255.0; 3]]),
+        ] {
+            assert_eq!(parse(bytes).unwrap().pixels(), pixels);
+        }
     }
 
     #[test]

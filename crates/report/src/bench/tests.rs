@@ -12,7 +12,7 @@ use super::compare::{BenchComparison, compare};
 use super::equal::RunDifference;
 use super::machine::{Cache, caches, processor};
 use super::page::{self, gains, overview, page, scene};
-use super::variant::{BATCHES, ListedVariant, Variant, Varied};
+use super::variant::{BATCHES, Variant, Varied};
 use super::*;
 use crate::measure::{RoundLimits, Rounds, Timing};
 use crate::page::{Block, Page, Section};
@@ -22,7 +22,7 @@ use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::math::simd::{Level, is_wide};
+use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::TimedPass;
@@ -121,34 +121,6 @@ fn different() -> SceneBench {
     report("b.json", compared(Varied::Ladder, 6, |_, _| 0.1, spoil))
 }
 
-fn labels(choices: &[ListedVariant]) -> Vec<&str> {
-    choices.iter().map(|choice| choice.label.as_str()).collect()
-}
-
-#[test]
-fn the_ladder_goes_from_the_recursive_tracer_to_the_usual_kernel() {
-    let of = |kernel| Varied::Ladder.choices(Variant { kernel, ..usual() }, &[]);
-    let ladder = of(KernelChoice::Auto);
-    assert!(ladder.iter().all(|choice| choice.over == 0));
-    assert_eq!(ladder[0].variant, Variant { tracer: TracerKind::Recursive, ..usual() });
-    let steps = || ladder[1..].iter();
-    assert!(steps().enumerate().all(|(from, choice)| choice.step.unwrap().0 == from));
-    if usual().simd.token().is_some_and(is_wide) {
-        let names = ["recursive", "wavefront, single rays", "wavefront, in flight"];
-        assert_eq!(labels(&ladder)[..3], names);
-        assert_eq!(labels(&ladder)[3..], ["wavefront, packets"]);
-        let gains: Vec<&str> = steps().map(|choice| choice.step.unwrap().1).collect();
-        assert_eq!(gains, ["order", "flight", "packets"]);
-        assert_eq!(steps().next_back().unwrap().variant, usual());
-        let packet = of(KernelChoice::Packet);
-        assert_eq!(packet[3].variant.kernel, KernelChoice::Packet);
-        assert_eq!(of(KernelChoice::Stream).len(), 3);
-    }
-    assert_eq!(of(KernelChoice::Single).len(), 2);
-    let reference = of(KernelChoice::Reference);
-    assert!(reference.iter().all(|choice| choice.variant.kernel == KernelChoice::Reference));
-}
-
 #[test]
 fn lists_have_each_variant_once_and_say_what_it_is_compared_with() {
     for of in Varied::ALL {
@@ -166,11 +138,6 @@ fn lists_have_each_variant_once_and_say_what_it_is_compared_with() {
         let over = &levels[choice.over].variant;
         assert_eq!((over.tracer, over.simd), (TracerKind::Recursive, choice.variant.simd));
     }
-    let threads = Varied::Threads.choices(Variant { threads: 6, ..usual() }, &[]);
-    assert_eq!(
-        threads.iter().map(|c| c.variant.threads).collect::<Vec<_>>(),
-        [1, 1, 2, 2, 4, 4, 6, 6]
-    );
 }
 
 #[test]
