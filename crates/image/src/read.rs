@@ -233,7 +233,9 @@ mod tests {
         let length = bytes.len() as u64;
         let read = match netpbm::is_netpbm(bytes) {
             true => netpbm::read(&mut { bytes }, length),
-            false => decoder::decode("it", None, || Ok((Box::new(Cursor::new(bytes)), length)), film),
+            false => {
+                decoder::decode("it", None, || Ok((Box::new(Cursor::new(bytes)), length)), film)
+            }
         };
         let told = read.map_or_else(|error| error.to_string(), |_| String::new());
         assert!(!told.contains("the decoder failed"), "{told}");
