@@ -27,7 +27,7 @@ class _Scene(Protocol):
     @property
     def geometry(self) -> Any: ...
 
-_Bvh = Literal["brute", "on-demand", "fastest", "very-fast", "fast", "medium", "slow", "very-slow"]
+_Bvh = Literal["brute", "on-demand", "fastest", "very-fast", "fast", "medium"]
 _Layer = Literal["depth", "normal", "albedo", "position", "object", "material", "alpha", "samples", "invalid"]
 
 class Mesh:
