@@ -37,17 +37,17 @@ pub(super) fn run(world: &World, frame: &Frame, all: &mut [ShapeInstance]) -> Re
             shows_others = shows_others
                 || one.visibility.is_transparent
                 || is_mirror(one)
-                    && (is_enclosed || sight.sees(all, i, false, None)? == Some(true));
+                    && (is_enclosed || sight.sees(all, i, false, f64::INFINITY)? == Some(true));
         }
     }
     for i in (0..all.len()).filter(|_| !is_enclosed) {
         if is_mirror(&all[i]) {
-            let sees = sight.sees(all, i, shows_others, None)?;
+            let sees = sight.sees(all, i, shows_others, f64::INFINITY)?;
             all[i].visibility.is_mirror = sees != Some(false);
         }
     }
     for sky in skies().iter().filter(|sky| sky.samples > 0) {
-        let reach = sky.distance.unwrap_or(f64::INFINITY);
+        let Some(distance) = sky.distance else { continue };
         // Media absorb what crosses them, and rays replace the maps that tell how much light is kept away.
         let is_plain = |one: &ShapeInstance| {
             let surface = SurfaceComponents::of(&surfaces, one.entity);
@@ -57,7 +57,7 @@ pub(super) fn run(world: &World, frame: &Frame, all: &mut [ShapeInstance]) -> Re
         for i in (0..all.len()).filter(|&i| !all[i].is_of_light()) {
             is_open = is_open
                 && (!shows_others && !all[i].visibility.is_seen
-                    || sight.sees(all, i, shows_others, Some(reach))? != Some(true));
+                    || sight.sees(all, i, shows_others, distance)? != Some(true));
         }
         if is_open {
             sky.samples = 0;
@@ -74,14 +74,14 @@ struct Sight<'a> {
 }
 
 impl Sight<'_> {
-    /// Whether rays that leave a shape may meet another or itself, or shadow rays within their `reach`: from any side, or
-    /// else from those that camera rays may meet; `None` if there is no such side.
+    /// Whether rays that leave a shape may meet another or itself within a `distance`: from any side, or else from
+    /// those that camera rays may meet; `None` if there is no such side.
     fn sees(
         &mut self,
         all: &[ShapeInstance],
         number: usize,
         any_side: bool,
-        reach: Option<f64>,
+        distance: f64,
     ) -> Result<Option<bool>> {
         let Self { world, pupils, tests } = self;
         let one = &all[number];
@@ -106,13 +106,13 @@ impl Sight<'_> {
             return Ok(None);
         }
         let is_other = |(i, other): &(usize, &ShapeInstance)| {
-            // Shadow rays pass the shapes of lights.
-            *i != number && (reach.is_none() || !other.is_of_light())
+            // Shadow rays, which look no further than a distance, pass the shapes of lights.
+            *i != number && (distance.is_infinite() || !other.is_of_light())
         };
         let mut may_meet = |(_, other): (usize, &ShapeInstance)| {
             *tests += 1;
             *tests > MOST_TESTS as u64
-                || reach.is_none_or(|reach| gap(&one.bounds, &other.bounds) <= reach)
+                || gap(&one.bounds, &other.bounds) <= distance
                     && is_faced(shape, faces, &Extent::of_box(&other.bounds), geometry, tests)
         };
         let bends = one.normal_mapped || !is_convex(shape, faces, geometry);
