@@ -105,23 +105,16 @@ impl Error {
     /// A failure of the operating system while `doing` something ("cannot open the file").
     pub fn io(doing: impl Into<String>, file: impl Into<PathBuf>, source: std::io::Error) -> Self {
         let (doing, file) = (doing.into(), file.into());
-        let (why, remedy) = match source.kind() {
-            IoKind::NotFound => ("there is no such file".to_owned(), Some(other_name(&file))),
-            IoKind::IsADirectory => ("it is a folder".to_owned(), Some("name a file".to_owned())),
-            IoKind::PermissionDenied => {
-                ("permission denied".to_owned(), Some("check who owns it".to_owned()))
-            }
-            IoKind::StorageFull => {
-                ("the disk is full".to_owned(), Some("make room and try again".to_owned()))
-            }
-            _ => (source.to_string(), None),
+        let failed = |why: &str| Self::new(ErrorKind::Io, format!("{doing}: {why}"));
+        let error = match source.kind() {
+            IoKind::NotFound => failed("there is no such file").remedy(other_name(&file)),
+            IoKind::IsADirectory => failed("it is a folder").remedy("name a file"),
+            IoKind::NotSeekable => failed("it is not a regular file").remedy("name a regular file"),
+            IoKind::PermissionDenied => failed("permission denied").remedy("check who owns it"),
+            IoKind::StorageFull => failed("the disk is full").remedy("make room and try again"),
+            _ => failed(&source.to_string()),
         };
-        let error = Self::new(ErrorKind::Io, format!("{doing}: {why}")).in_file(file);
-        let error = error.because(source);
-        match remedy {
-            Some(remedy) => error.remedy(remedy),
-            None => error,
-        }
+        error.in_file(file).because(source)
     }
 
     /// Sets the file, unless it is set already.

@@ -137,8 +137,8 @@ fn followed(given: &Path) -> Result<PathBuf> {
         let Ok(target) = path.read_link() else { return Ok(path) };
         path = folder_of(&path).join(target);
     }
-    let error = Error::new(ErrorKind::Io, "cannot write the file: its symbolic links form a loop");
-    Err(error.in_file(given).remedy("remove the link or name another file"))
+    let why = "its symbolic links form a loop";
+    Err(refused(given, why, "remove the link or name another file"))
 }
 
 /// Largest number of links in a row, as on Linux.
@@ -226,13 +226,9 @@ impl<'a> OutputFile<'a> {
     fn temporary(&self) -> Result<NamedTempFile> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".wavecrest-").suffix(".part");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // The default for new files; the system applies the user's mask.
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        builder.tempfile_in(&self.folder).map_err(|error| self.temporary_error(&error))
+        // With the usual permissions, and errors without its name, which would confuse.
+        let made = builder.make_in(&self.folder, |path| File::create_new(path));
+        made.map_err(|error| write_error(self.given, error))
     }
 
     /// Renames the finished file over the target.
@@ -247,71 +243,42 @@ impl<'a> OutputFile<'a> {
         let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
         Ok(())
     }
-
-    /// The cause without the temporary file's path, which would confuse.
-    fn temporary_error(&self, error: &std::io::Error) -> Error {
-        let cause = match error.raw_os_error().or_else(|| raw_os_error_inside(error)) {
-            Some(code) => std::io::Error::from_raw_os_error(code),
-            None => std::io::Error::from(error.kind()),
-        };
-        write_error(self.given, cause)
-    }
 }
 
-/// The system's error number inside a wrapping error.
-fn raw_os_error_inside(error: &std::io::Error) -> Option<i32> {
-    let mut cause = std::error::Error::source(error.get_ref()?);
-    while let Some(inner) = cause {
-        if let Some(io) = inner.downcast_ref::<std::io::Error>() {
-            return io.raw_os_error();
-        }
-        cause = inner.source();
-    }
-    None
+/// The error that `given` cannot be written, with the cause and the remedy.
+fn refused(given: &Path, why: &str, remedy: &str) -> Error {
+    let message = format!("cannot write the file: {why}");
+    Error::new(ErrorKind::Io, message).in_file(given).remedy(remedy)
 }
 
 fn check_kind(given: &Path, existing: Option<&Metadata>) -> Result<()> {
-    let refuse = |message: &str, remedy: &str| {
-        Err(Error::new(ErrorKind::Io, message).in_file(given).remedy(remedy))
-    };
     let ends_as_a_folder =
         given.to_string_lossy().chars().next_back().is_some_and(std::path::is_separator);
-    match existing {
-        Some(data) if data.is_dir() => {
-            refuse("cannot write the file: this is a folder", "name a file inside it")
+    let (why, remedy) = match existing {
+        Some(data) if data.is_dir() => ("this is a folder", "name a file inside it"),
+        None if ends_as_a_folder => ("this is the name of a folder", "name a file inside it"),
+        Some(data) if !data.is_file() => {
+            ("this is neither a file nor a folder", "name a regular file")
         }
-        None if ends_as_a_folder => {
-            refuse("cannot write the file: this is the name of a folder", "name a file inside it")
+        Some(data) if data.permissions().readonly() => {
+            ("the existing file is read-only", "make it writable or name another file")
         }
-        Some(data) if !data.is_file() => refuse(
-            "cannot write the file: this is neither a file nor a folder",
-            "name a regular file",
-        ),
-        Some(data) if data.permissions().readonly() => refuse(
-            "cannot write the file: the existing file is read-only",
-            "make it writable or name another file",
-        ),
-        _ => Ok(()),
-    }
+        _ => return Ok(()),
+    };
+    Err(refused(given, why, remedy))
 }
 
 fn check_folder(given: &Path, folder: &Path) -> Result<()> {
-    let refuse = |message: String, remedy: &str| {
-        Err(Error::new(ErrorKind::Io, message).in_file(given).remedy(remedy))
-    };
     let name = folder.display();
-    match folder.metadata() {
-        Ok(data) if data.is_dir() => Ok(()),
-        Ok(_) => refuse(
-            format!("cannot write the file: {name} is not a folder"),
-            "name a folder that exists",
-        ),
-        Err(error) if error.kind() == IoKind::NotFound => refuse(
-            format!("cannot write the file: there is no folder {name}"),
-            "create it first or name one that exists",
-        ),
-        Err(error) => Err(write_error(given, error)),
-    }
+    let (why, remedy) = match folder.metadata() {
+        Ok(data) if data.is_dir() => return Ok(()),
+        Ok(_) => (format!("{name} is not a folder"), "name a folder that exists"),
+        Err(error) if error.kind() == IoKind::NotFound => {
+            (format!("there is no folder {name}"), "create it first or name one that exists")
+        }
+        Err(error) => return Err(write_error(given, error)),
+    };
+    Err(refused(given, &why, remedy))
 }
 
 #[cfg(test)]

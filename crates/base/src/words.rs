@@ -34,6 +34,11 @@ pub fn grouped(digits: &str, space: char) -> String {
     text
 }
 
+/// A number of things, whose plural ends in an s.
+pub fn counted(count: u64, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
+}
+
 /// A command as a line for a shell: words are quoted where necessary.
 pub fn command<W: AsRef<str>>(words: impl IntoIterator<Item = W>) -> String {
     let words = words.into_iter().map(|word| quoted(word.as_ref()));

@@ -33,7 +33,7 @@ wavecrest_base::choices! {
 pub const RELATIVE_OFFSET: f64 = 0.01;
 
 /// Differences between two images of one size. Numbers that are not finite are `null` in JSON.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Comparison {
     /// The number of pixels in a row.
     pub width: u32,
@@ -75,29 +75,27 @@ pub struct Comparison {
 /// If their sizes differ.
 pub fn compare(a: &Film, b: &Film) -> Result<Comparison> {
     check_sizes(a, b)?;
-    let mut tally = Tally::default();
+    let (width, height) = (a.width(), a.height());
+    let mut found = Comparison { width, height, ..Comparison::default() };
+    let mut sums = [0.0; 5];
     for (y, (row_a, row_b)) in a.rows().zip(b.rows()).enumerate() {
-        tally.add_row(y, row_a, row_b);
+        // Each row has its own sums, so that less precision is lost over many pixels.
+        let mut own = [0.0; 5];
+        for (x, (a, b)) in row_a.iter().zip(row_b).enumerate() {
+            found.add(x, y, a, b, &mut own);
+        }
+        sums.iter_mut().zip(own).for_each(|(sum, term)| *sum += term);
     }
     let pixels = a.pixels().len() as f64;
-    let [squares, relative, red, green, blue] = tally.sums;
-    let mse = squares / (3.0 * pixels);
-    Ok(Comparison {
-        width: a.width(),
-        height: a.height(),
-        mse,
-        rmse: mse.sqrt(),
-        psnr: psnr(mse),
-        relative_mse: relative / (3.0 * pixels),
-        bias: (red + green + blue) / (3.0 * pixels),
-        channel_bias: [red / pixels, green / pixels, blue / pixels],
-        largest: tally.largest,
-        largest_at: tally.place.map(|(x, y, _)| (x, y)),
-        largest_channel: tally.place.map(|(_, _, channel)| channel),
-        different_pixels: tally.different,
-        nonfinite: tally.nonfinite,
-        equal: tally.different == 0,
-    })
+    let [squares, relative, red, green, blue] = sums;
+    found.mse = squares / (3.0 * pixels);
+    found.rmse = found.mse.sqrt();
+    found.psnr = psnr(found.mse);
+    found.relative_mse = relative / (3.0 * pixels);
+    found.bias = (red + green + blue) / (3.0 * pixels);
+    found.channel_bias = [red, green, blue].map(|sum| sum / pixels);
+    found.equal = found.different_pixels == 0;
+    Ok(found)
 }
 
 /// The number of pixels of two images with a value that differs by more than `tolerance`.
@@ -110,20 +108,6 @@ pub fn pixels_beyond(a: &Film, b: &Film, tolerance: f64) -> Result<u64> {
         a.iter().zip(*b).any(|(&a, &b)| distance(signed_difference(a, b)) > tolerance)
     };
     Ok(a.pixels().iter().zip(b.pixels()).filter(is_beyond).count() as u64)
-}
-
-/// The absolute difference of two images, times `gain`.
-///
-/// # Errors
-/// If their sizes differ.
-pub fn difference_image(a: &Film, b: &Film, gain: f32) -> Result<Film> {
-    check_sizes(a, b)?;
-    let mut film = Film::new(a.width(), a.height())?;
-    let values = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
-    for (out, (&a, &b)) in film.pixels_mut().as_flattened_mut().iter_mut().zip(values) {
-        *out = (distance(signed_difference(a, b)) * f64::from(gain)) as f32;
-    }
-    Ok(film)
 }
 
 pub(super) fn check_sizes(a: &Film, b: &Film) -> Result<()> {
@@ -164,7 +148,7 @@ pub(super) fn relative_difference(a: f32, b: f32) -> f64 {
 }
 
 /// The distance between two values from their difference: infinite if undefined.
-fn distance(signed: f64) -> f64 {
+pub(super) fn distance(signed: f64) -> f64 {
     if signed.is_nan() { f64::INFINITY } else { signed.abs() }
 }
 
@@ -174,30 +158,11 @@ fn relative_to(b: f32, squared: f64) -> f64 {
     if squared > 0.0 && squared.is_finite() { squared / (b * b + RELATIVE_OFFSET) } else { squared }
 }
 
-/// The state of a comparison.
-#[derive(Default)]
-struct Tally {
-    /// Sums over values: of squared differences, of relative ones, and of the signed ones of each
-    /// channel.
-    sums: [f64; 5],
-    largest: f64,
-    place: Option<(u32, u32, ColorChannel)>,
-    different: u64,
-    nonfinite: u64,
-}
-
-impl Tally {
-    fn add_row(&mut self, y: usize, row_a: &[[f32; 3]], row_b: &[[f32; 3]]) {
-        // Each row has its own sums, so that less precision is lost over many pixels.
-        let mut sums = [0.0; 5];
-        for (x, (a, b)) in row_a.iter().zip(row_b).enumerate() {
-            self.pixel(x, y, a, b, &mut sums);
-        }
-        self.sums.iter_mut().zip(sums).for_each(|(sum, term)| *sum += term);
-    }
-
-    fn pixel(&mut self, x: usize, y: usize, a: &[f32; 3], b: &[f32; 3], sums: &mut [f64; 5]) {
-        self.different += u64::from(a.map(f32::to_bits) != b.map(f32::to_bits));
+impl Comparison {
+    /// Adds a pixel, except for what means are of: `sums` over its values of squared differences, of relative ones, and
+    /// of the signed ones of each channel.
+    fn add(&mut self, x: usize, y: usize, a: &[f32; 3], b: &[f32; 3], sums: &mut [f64; 5]) {
+        self.different_pixels += u64::from(a.map(f32::to_bits) != b.map(f32::to_bits));
         self.nonfinite += u64::from(!a.iter().chain(b).all(|value| value.is_finite()));
         let [all_squares, relative, signed_sums @ ..] = sums;
         let mut squares = 0.0;
@@ -210,7 +175,8 @@ impl Tally {
             signed_sums[i] += signed;
             if difference > self.largest {
                 self.largest = difference;
-                self.place = Some((x as u32, y as u32, channel));
+                self.largest_at = Some((x as u32, y as u32));
+                self.largest_channel = Some(channel);
             }
         }
         *all_squares += squares;

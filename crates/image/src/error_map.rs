@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::colormap::{diverging, magma};
 use super::compare::{
-    check_sizes, difference_image, relative_difference, signed_difference, squared_difference,
+    check_sizes, distance, relative_difference, signed_difference, squared_difference,
 };
 use super::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 use wavecrest_base::error::Result;
@@ -39,12 +39,19 @@ wavecrest_base::choices! {
 /// # Errors
 /// If the sizes differ or memory does not suffice.
 pub fn error_map(a: &Film, b: &Film, kind: MapKind, gain: f32) -> Result<Film> {
+    let absolute = |a, b| (distance(signed_difference(a, b)) * f64::from(gain)) as f32;
+    let colored = |error: fn(f32, f32) -> f64, color: fn(f32) -> [f32; 3]| {
+        each_pixel(a, b, |a, b| {
+            let sum = error(a[0], b[0]) + error(a[1], b[1]) + error(a[2], b[2]);
+            color((sum / 3.0 * f64::from(gain)) as f32)
+        })
+    };
     match kind {
-        MapKind::Absolute => difference_image(a, b, gain),
-        MapKind::Squared => colored(a, b, gain, squared_difference, magma),
-        MapKind::Relative => colored(a, b, gain, relative_difference, magma),
+        MapKind::Absolute => each_pixel(a, b, |a, b| [0, 1, 2].map(|i| absolute(a[i], b[i]))),
+        MapKind::Squared => colored(squared_difference, magma),
+        MapKind::Relative => colored(relative_difference, magma),
         MapKind::Flip => flip_map(&flip(a, b, DEFAULT_PIXELS_PER_DEGREE)?, gain),
-        MapKind::Signed => colored(a, b, gain, signed_difference, diverging),
+        MapKind::Signed => colored(signed_difference, diverging),
     }
 }
 
@@ -59,21 +66,16 @@ pub fn flip_map(flip: &Flip, gain: f32) -> Result<Film> {
     Ok(film)
 }
 
-/// The mean of a pixel's three errors, as a colour.
-fn colored(
+/// The `error` of each pixel of `a` against that of `b`.
+fn each_pixel(
     a: &Film,
     b: &Film,
-    gain: f32,
-    error: fn(f32, f32) -> f64,
-    color: fn(f32) -> [f32; 3],
+    error: impl Fn(&[f32; 3], &[f32; 3]) -> [f32; 3] + Sync,
 ) -> Result<Film> {
     check_sizes(a, b)?;
     let mut film = Film::new(a.width(), a.height())?;
     let pixels = film.pixels_mut().par_iter_mut().zip(a.pixels()).zip(b.pixels());
-    pixels.for_each(|((out, a), b)| {
-        let sum = error(a[0], b[0]) + error(a[1], b[1]) + error(a[2], b[2]);
-        *out = color((sum / 3.0 * f64::from(gain)) as f32);
-    });
+    pixels.for_each(|((out, a), b)| *out = error(a, b));
     Ok(film)
 }
 

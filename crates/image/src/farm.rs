@@ -17,5 +17,6 @@ mod session;
 pub mod shard;
 
 pub use identity::Identity;
-pub use session::{Author, Session};
+pub use part::Author;
+pub use session::Session;
 pub use shard::Shard;

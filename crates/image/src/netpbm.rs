@@ -112,17 +112,15 @@ impl NumberFormat {
 
     fn value(&self, bytes: &[u8]) -> f32 {
         match (self, bytes) {
-            (Self::Integer(white), &[a]) => fraction(u16::from(a), *white),
-            (Self::Integer(white), &[a, b]) => fraction(u16::from_be_bytes([a, b]), *white),
+            (Self::Integer(white), bytes) => {
+                let value = bytes.iter().fold(0, |value, byte| value << 8 | u16::from(*byte));
+                f32::from(value.min(*white)) / f32::from(*white)
+            }
             (Self::Little, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]),
             (Self::Big, &[a, b, c, d]) => f32::from_be_bytes([a, b, c, d]),
             _ => 0.0,
         }
     }
-}
-
-fn fraction(value: u16, white: u16) -> f32 {
-    f32::from(value.min(white)) / f32::from(white)
 }
 
 fn white_value(word: &str) -> Result<NumberFormat> {

@@ -6,7 +6,6 @@
 //!
 //! A file's header is not trusted: see [`super::decoder`].
 
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
@@ -15,6 +14,7 @@ use image::{ColorType, ImageDecoder, ImageError};
 use super::decoder;
 use super::netpbm;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::read::open;
 use wavecrest_core::film::{Film, checked_pixel_count, reserve};
 
 /// Reads the image at `path`.
@@ -27,9 +27,10 @@ pub fn read(path: &Path) -> Result<Film> {
 }
 
 fn read_unnamed(path: &Path) -> Result<Film> {
-    let mut source = BufReader::new(open(path, "image")?);
-    let length = source.get_ref().metadata().map_err(|e| read_error(path, e))?.len();
-    let start = source.fill_buf().map_err(|e| read_error(path, e))?;
+    let failed = |error| Error::io("cannot read the image", path, error);
+    let (file, length) = open(path).map_err(failed)?;
+    let mut source = BufReader::new(file);
+    let start = source.fill_buf().map_err(|error| failed(error).remedy("check the file"))?;
     if start.is_empty() {
         return Err(Error::new(ErrorKind::Syntax, "the file is empty").remedy("name an image"));
     }
@@ -37,26 +38,6 @@ fn read_unnamed(path: &Path) -> Result<Film> {
         return netpbm::read(&mut source, length);
     }
     decoder::decode("the image", Some(path), || Ok((Box::new(source), length)), film)
-}
-
-/// Opens a regular file; `what` names its kind in messages. A pipe is refused before it is opened, which would
-/// wait for a writer.
-///
-/// # Errors
-/// If it is no regular file, or cannot be opened.
-pub(crate) fn open(path: &Path, what: &str) -> Result<File> {
-    let cannot = format!("cannot read the {what}");
-    let data = path.metadata().map_err(|error| Error::io(&*cannot, path, error))?;
-    if !data.is_file() {
-        let found = if data.is_dir() { "a folder" } else { "not a regular file" };
-        return Err(Error::new(ErrorKind::Io, format!("{cannot}: this is {found}"))
-            .remedy("name a regular file"));
-    }
-    File::open(path).map_err(|error| Error::io(cannot, path, error))
-}
-
-fn read_error(path: &Path, error: std::io::Error) -> Error {
-    Error::io("cannot read the image", path, error).remedy("check the file")
 }
 
 /// The film of a decoder whose header has been checked.
@@ -182,7 +163,7 @@ mod tests {
         assert_eq!(
             read(folder.path()).unwrap_err().to_string(),
             format!(
-                "{}: cannot read the image: this is a folder; name a regular file",
+                "{}: cannot read the image: it is a folder; name a file",
                 folder.path().display()
             )
         );

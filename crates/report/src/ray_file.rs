@@ -21,6 +21,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::read::open;
 use wavecrest_base::replace::{replace_file, write_error};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::math::ray::Ray;
@@ -53,11 +54,8 @@ impl RayFile {
     /// # Errors
     /// If it cannot be read, or does not match its header.
     pub fn read(path: &Path) -> Result<Self> {
-        let cannot_read = |e| Error::io("cannot read the rays", path, e);
-        if !std::fs::metadata(path).map_err(cannot_read)?.is_file() {
-            return Err(Error::new(ErrorKind::Io, "this is not a regular file").in_file(path));
-        }
-        let bytes = std::fs::read(path).map_err(cannot_read)?;
+        let bytes = open(path).and_then(|_| std::fs::read(path));
+        let bytes = bytes.map_err(|e| Error::io("cannot read the rays", path, e))?;
         Self::parse(&bytes).map_err(|e| e.in_file(path))
     }
 

@@ -32,6 +32,7 @@ use std::sync::Arc;
 
 use hecs::World;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::read::open;
 
 use super::format::{Notes, json};
 use super::options::LoadOptions;
@@ -49,12 +50,8 @@ pub(super) fn is_binary(bytes: &[u8]) -> bool {
 /// # Errors
 /// If it is not a regular file, or cannot be read.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>> {
-    let refused = |e| Error::io("cannot read the scene", path, e);
-    if !path.metadata().map_err(refused)?.is_file() {
-        let error = Error::new(ErrorKind::Io, "not a regular file").in_file(path);
-        return Err(error.remedy("use a glTF file"));
-    }
-    std::fs::read(path).map_err(refused)
+    let bytes = open(path).and_then(|_| std::fs::read(path));
+    bytes.map_err(|error| Error::io("cannot read the scene", path, error))
 }
 
 /// The scene in the `bytes` of a file, whose buffers are read, and a description of the choices made

@@ -17,6 +17,7 @@ use hecs::World;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Stage;
+use wavecrest_base::read::open;
 use wavecrest_base::replace::check_differs;
 
 pub use super::camera::LONGEST_SIDE;
@@ -296,7 +297,7 @@ impl FileFormat {
 fn start_of(path: &Path) -> Option<Vec<u8>> {
     const ENOUGH: u64 = 256;
     let mut start = Vec::new();
-    let file = path.is_file().then(|| File::open(path).ok())??;
+    let (file, _) = open(path).ok()?;
     file.take(ENOUGH).read_to_end(&mut start).ok()?;
     Some(start)
 }

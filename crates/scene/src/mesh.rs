@@ -25,12 +25,12 @@ mod scalar;
 mod stl;
 mod validate;
 
-use std::fs::File;
 use std::path::Path;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Activity;
 use wavecrest_base::progress;
+use wavecrest_base::read::open;
 
 pub use data::{Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE, NamedMaterials};
 pub use join::first_of_each;
@@ -52,7 +52,8 @@ use place::ReadAt;
 /// too large.
 pub fn load(path: &Path) -> Result<LoadedMesh> {
     let format = MeshFormat::of(path)?;
-    let (file, length) = open(path)?;
+    let cannot_open = |error| Error::io("cannot open the mesh file", path, error);
+    let (file, length) = open(path).map_err(cannot_open)?;
     let _reading = Activity::new(format!("reading {}", path.display()));
     read(format, &file, length, None, path)
 }
@@ -134,19 +135,6 @@ impl MeshFormat {
                 .remedy("use a .ply, .obj or .stl file")),
         }
     }
-}
-
-/// Opens a regular file and returns its length. Others are refused: the length of a pipe or a
-/// device is meaningless, and opening one can block.
-fn open(path: &Path) -> Result<(File, u64)> {
-    let describe = |error| Error::io("cannot open the mesh file", path, error);
-    let metadata = std::fs::metadata(path).map_err(describe)?;
-    if !metadata.is_file() {
-        return Err(Error::new(ErrorKind::Io, "not a regular file")
-            .in_file(path)
-            .remedy("use a mesh file"));
-    }
-    Ok((File::open(path).map_err(describe)?, metadata.len()))
 }
 
 #[cfg(test)]

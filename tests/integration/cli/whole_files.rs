@@ -94,7 +94,7 @@ fn pipes_are_no_images_and_no_parts() {
         let _open = child.stdin.take();
         let output = child.wait_with_output().expect("a child");
         let file = arguments[1];
-        let words = "this is not a regular file; name a regular file";
+        let words = "it is not a regular file; name a regular file";
         assert_eq!(
             text(&output.stderr),
             format!("error: {file}: cannot read the {what}: {words}\n")

@@ -1,5 +1,6 @@
 //! The loop over all work on all threads, each with its own tracer.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -39,7 +40,7 @@ pub struct Summed<'a> {
     /// Number of their samples that were not finite.
     pub invalid: u64,
     /// Their sums.
-    pub sums: &'a [[f64; 3]],
+    pub sums: Cow<'a, [[f64; 3]]>,
 }
 
 /// The work to render: `count` tasks, by number.
@@ -159,7 +160,8 @@ impl Worker {
                 add(sums, &block[..tile.len()]);
             }
             let invalid = tracer.counters().invalid - invalid;
-            keep(&Summed { tile: task.tile, blocks: first..number + 1, invalid, sums });
+            let (blocks, sums) = (first..number + 1, Cow::Borrowed(&*sums));
+            keep(&Summed { tile: task.tile, blocks, invalid, sums });
         }
     }
 }

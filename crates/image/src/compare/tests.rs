@@ -1,5 +1,6 @@
 use super::*;
 use crate::approved;
+use crate::error_map::{MapKind, error_map};
 
 fn film(pixels: &[[f32; 3]]) -> Film {
     Film::from_pixels(2, pixels.len() as u32 / 2, pixels.to_vec()).unwrap()
@@ -65,6 +66,6 @@ fn json_has_null_for_an_undefined_bias() {
 fn a_difference_image_shows_how_far_apart() {
     let a = film(&[[0.5, 0.25, f32::NAN], [0.0; 3]]);
     let b = film(&[[0.25, 0.5, f32::NAN], [0.0, f32::NAN, 1.0]]);
-    let found = difference_image(&a, &b, 2.0).unwrap();
+    let found = error_map(&a, &b, MapKind::Absolute, 2.0).unwrap();
     assert_eq!(found.pixels(), [[0.5, 0.5, 0.0], [0.0, f32::INFINITY, 2.0]]);
 }

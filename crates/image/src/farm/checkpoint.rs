@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use super::part::{self, PartHeader, PartReader, UnitSums};
+use super::part::{self, PartHeader, PartReader, StoredUnit};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::render::work::{Summed, Task};
 
@@ -62,28 +62,21 @@ impl Checkpoint {
 
 /// Refuses a checkpoint of another render.
 fn check_same(file: &Path, found: &PartHeader, header: &PartHeader) -> Result<()> {
-    let refuse = |message: String| Error::new(ErrorKind::Usage, message).in_file(file);
-    if let Some((what, values)) = found.identity.difference(&header.identity) {
-        let differs = refuse(format!("the {what} differs from that of the checkpoint"));
-        return Err(match values {
-            Some([found, asked]) => differs.value(found).remedy(format!(
-                "this render has {asked}; use the same options, or another checkpoint file"
-            )),
-            None => differs.remedy("restore the scene, or use another checkpoint file"),
-        });
+    let remedies = [
+        "use the same options, or another checkpoint file",
+        "restore the scene, or use another checkpoint file",
+    ];
+    let names = ["the checkpoint", "this render"];
+    found.identity.check_same(file, &header.identity, names, remedies)?;
+    if found.shard == header.shard {
+        return Ok(());
     }
-    if found.shard != header.shard {
-        let name = |header: &PartHeader| {
-            header.shard.map_or("the whole image".to_owned(), |shard| format!("shard {shard}"))
-        };
-        return Err(refuse("the checkpoint belongs to another shard".to_owned())
-            .value(name(found))
-            .remedy(format!(
-                "this render is {}; use one checkpoint file for each shard",
-                name(header)
-            )));
-    }
-    Ok(())
+    let name = |header: &PartHeader| {
+        header.shard.map_or("the whole image".to_owned(), |shard| format!("shard {shard}"))
+    };
+    let error = Error::new(ErrorKind::Usage, "the checkpoint belongs to another shard");
+    let remedy = format!("this render is {}; use one checkpoint file for each shard", name(header));
+    Err(error.in_file(file).value(name(found)).remedy(remedy))
 }
 
 /// The start of a unit: its tile, and its first block.
@@ -92,23 +85,19 @@ type UnitStart = (u32, u32);
 /// Finished units in memory, at most one for each start, saved while others are rendered.
 #[derive(Debug, Default)]
 pub(super) struct UnitStore {
-    units: Mutex<BTreeMap<UnitStart, Arc<UnitSums>>>,
+    units: Mutex<BTreeMap<UnitStart, Arc<StoredUnit>>>,
 }
 
 impl UnitStore {
     /// Stores a unit; it replaces a shorter one with the same start.
-    pub(super) fn put(&self, unit: UnitSums) {
+    pub(super) fn put(&self, unit: StoredUnit) {
         self.units().insert((unit.tile, unit.blocks.start), Arc::new(unit));
     }
 
     /// As [`UnitStore::put`], from the render loop.
     pub(super) fn keep(&self, summed: &Summed<'_>) {
-        self.put(UnitSums {
-            tile: summed.tile,
-            blocks: summed.blocks.clone(),
-            invalid: summed.invalid,
-            sums: summed.sums.to_vec(),
-        });
+        let Summed { tile, blocks, invalid, sums } = summed.clone();
+        self.put(Summed { tile, blocks, invalid, sums: sums.into_owned().into() });
     }
 
     /// Writes the current units as a part with this header.
@@ -119,7 +108,7 @@ impl UnitStore {
     }
 
     /// The current units, in order. They are shared, not copied.
-    pub(super) fn all(&self) -> Vec<Arc<UnitSums>> {
+    pub(super) fn all(&self) -> Vec<Arc<StoredUnit>> {
         self.units().values().cloned().collect()
     }
 
@@ -132,11 +121,11 @@ impl UnitStore {
         (!blocks.is_empty()).then(|| Task {
             tile: task.tile,
             blocks,
-            sums: Some(unit.sums.clone()),
+            sums: Some(unit.sums.to_vec()),
         })
     }
 
-    fn units(&self) -> MutexGuard<'_, BTreeMap<UnitStart, Arc<UnitSums>>> {
+    fn units(&self) -> MutexGuard<'_, BTreeMap<UnitStart, Arc<StoredUnit>>> {
         self.units.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -1,5 +1,7 @@
 //! The inputs of an image: parts that agree in all of them belong together.
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 
 use crate::metadata::Provenance;
@@ -90,9 +92,18 @@ impl Identity {
         Blocks::new(self.samples)
     }
 
-    /// The first difference from `other`, as the end of "it has another ...", with the two values if
-    /// they help a reader. The user's choices come before properties of files.
-    pub fn difference(&self, other: &Self) -> Option<(&'static str, Option<[String; 2]>)> {
+    /// Checks that this identity, of `file`, is the `other`, which is that of the `owner`; `than` is what it then differs from,
+    /// and there is a remedy for choices of the user and one for the scene.
+    ///
+    /// # Errors
+    /// If it is not, with the first difference: choices of the user come before properties of files.
+    pub(super) fn check_same(
+        &self,
+        file: &Path,
+        other: &Self,
+        [than, owner]: [&str; 2],
+        [choices, scene]: [&str; 2],
+    ) -> Result<()> {
         let all = |identity: &Self| {
             let Self { program, precision, image, window, samples, seed, .. } = identity;
             let [width, height] = image;
@@ -109,9 +120,16 @@ impl Identity {
             ]
         };
         let mut pairs = all(self).into_iter().zip(all(other));
-        let ((what, one), (_, other)) = pairs.find(|(one, other)| one != other)?;
-        // The text of a hash does not help.
-        Some((what, (what != SCENE).then_some([one, other])))
+        let Some(((what, found), (_, expected))) = pairs.find(|(one, other)| one != other) else {
+            return Ok(());
+        };
+        let message = format!("the {what} differs from that of {than}");
+        let error = Error::new(ErrorKind::Usage, message).in_file(file);
+        Err(match what {
+            // The text of a hash does not help.
+            SCENE => error.remedy(scene),
+            _ => error.value(found).remedy(format!("{owner} has {expected}; {choices}")),
+        })
     }
 
     /// Checks that a render can have these numbers: they may come from a damaged file.

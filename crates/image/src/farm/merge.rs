@@ -1,7 +1,7 @@
 //! Merges parts into an image, if they belong to the same image and are complete.
 //!
-//! Parts are read in turn, in any order, unit by unit. A tile whose blocks are all in one unit is
-//! painted at once; separate blocks wait for those before them, as they are added in order.
+//! Parts are read in turn, in any order, unit by unit. Blocks wait for those before them, as they are added in order; a
+//! tile is painted when it has all.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::identity::Identity;
-use super::part::{PartHeader, PartReader, UnitSums};
+use super::part::{PartHeader, PartReader, StoredUnit};
 use super::shard::Shard;
 use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::Film;
 use wavecrest_core::render::Canvas;
 use wavecrest_core::render::units::Grid;
-use wavecrest_core::render::work::{Summed, add};
+use wavecrest_core::render::work::add;
 use wavecrest_core::tile::Tile;
 
 /// Largest number of shards in a message.
@@ -55,9 +55,9 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     }
     let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
     // Allocate only an image that the parts can fill, whatever size they claim.
-    let length = |path: &PathBuf| match path.metadata() {
-        Ok(data) => Ok(data.len()),
-        Err(error) => Err(Error::io("cannot read the part", path, error)),
+    let length = |path: &PathBuf| {
+        let data = path.metadata().map_err(|e| Error::io("cannot read the part", path, e));
+        data.map(|data| data.len())
     };
     let held: u64 = paths.iter().map(length).sum::<Result<_>>()?;
     let pixels = grid.window().len() as u64;
@@ -82,22 +82,16 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     }
     let invalid = mosaic.invalid;
     let film = mosaic.finish().map_err(|gap| incomplete(&shards, gap))?;
-    Ok(Merged { identity: header.identity, transfer: header.transfer, film, invalid })
+    Ok(Merged { identity: header.identity, transfer: header.author.transfer, film, invalid })
 }
 
 fn check_same(path: &Path, other: &PartHeader, first: &Path, header: &PartHeader) -> Result<()> {
-    let Some((what, values)) = other.identity.difference(&header.identity) else {
-        return Ok(());
-    };
-    let first = first.display();
-    let message = format!("the {what} differs from that of {first}");
-    let error = Error::new(ErrorKind::Usage, message).in_file(path);
-    Err(match values {
-        Some([found, expected]) => {
-            error.value(found).remedy(format!("{first} has {expected}; merge parts of one image"))
-        }
-        None => error.remedy("merge parts of one scene, and do not change it between renders"),
-    })
+    let remedies = [
+        "merge parts of one image",
+        "merge parts of one scene, and do not change it between renders",
+    ];
+    let first = &*first.to_string_lossy();
+    other.identity.check_same(path, &header.identity, [first; 2], remedies)
 }
 
 /// The error for missing parts: whole shards, or else `found`.
@@ -144,52 +138,38 @@ struct Mosaic<'a> {
     /// The units so far, by tile and first block: the end of their blocks (exclusive), the hash of
     /// their sums, and the number of their part.
     units: BTreeMap<(u32, u32), (u32, u64, usize)>,
-    /// Tiles whose blocks are in several units.
-    waiting: BTreeMap<u32, UnfinishedTile>,
+    /// The units of each unfinished tile, by first block: one with all blocks that follow each other from the first on, and
+    /// later ones.
+    waiting: BTreeMap<u32, BTreeMap<u32, StoredUnit>>,
     invalid: u64,
-}
-
-/// The blocks of a tile so far.
-#[derive(Default)]
-struct UnfinishedTile {
-    /// Number of blocks added up, from the first on.
-    ready: u32,
-    sums: Vec<[f64; 3]>,
-    /// Later blocks, by the first of each unit.
-    later: BTreeMap<u32, UnitSums>,
 }
 
 impl Mosaic<'_> {
     /// Adds a unit of the `number`th part.
-    fn put(&mut self, number: usize, unit: UnitSums) -> Result<()> {
+    fn put(&mut self, number: usize, unit: StoredUnit) -> Result<()> {
         if self.is_known(number, &unit)? {
             return Ok(());
         }
         self.invalid += unit.invalid;
-        if unit.blocks == (0..self.blocks) {
-            self.paint(unit.tile, &unit.sums);
-            return Ok(());
+        let waiting = self.waiting.entry(unit.tile).or_default();
+        waiting.insert(unit.blocks.start, unit);
+        let Some(mut first) = waiting.remove(&0) else { return Ok(()) };
+        while let Some(next) = waiting.remove(&first.blocks.end) {
+            add(first.sums.to_mut(), &next.sums);
+            first.blocks.end = next.blocks.end;
         }
-        let tile = unit.tile;
-        let waiting = self.waiting.entry(tile).or_default();
-        waiting.later.insert(unit.blocks.start, unit);
-        waiting.add_up();
-        if waiting.ready == self.blocks {
-            let sums = std::mem::take(&mut waiting.sums);
-            self.waiting.remove(&tile);
-            self.paint(tile, &sums);
+        if first.blocks.end == self.blocks {
+            self.canvas.keep(&first);
+            self.waiting.remove(&first.tile);
+        } else {
+            waiting.insert(0, first);
         }
         Ok(())
     }
 
-    fn paint(&mut self, tile: u32, sums: &[[f64; 3]]) {
-        let blocks = 0..self.blocks;
-        self.canvas.keep(&Summed { tile, blocks, invalid: 0, sums });
-    }
-
     /// Whether the same unit was read already, to the last bit; records it if not.
-    fn is_known(&mut self, number: usize, unit: &UnitSums) -> Result<bool> {
-        let UnitSums { tile, blocks: Range { start, end }, .. } = *unit;
+    fn is_known(&mut self, number: usize, unit: &StoredUnit) -> Result<bool> {
+        let (tile, Range { start, end }) = (unit.tile, unit.blocks.clone());
         let hash = xxh3_64(bytemuck::cast_slice(&unit.sums));
         let others = self.units.range((tile, 0)..(tile, end));
         let Some((&(_, from), &(to, known, part))) = others.rev().find(|(_, unit)| unit.0 > start)
@@ -223,20 +203,6 @@ impl Mosaic<'_> {
         match missing.first() {
             None => Ok(found.film),
             Some((x, y)) => Err(format!("{} tiles missing, the first at {x},{y}", missing.len())),
-        }
-    }
-}
-
-impl UnfinishedTile {
-    /// Adds the blocks whose turn has come.
-    fn add_up(&mut self) {
-        while let Some(unit) = self.later.remove(&self.ready) {
-            if self.ready == 0 {
-                self.sums = unit.sums;
-            } else {
-                add(&mut self.sums, &unit.sums);
-            }
-            self.ready = unit.blocks.end;
         }
     }
 }

@@ -26,10 +26,11 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 use super::identity::Identity;
 use super::shard::Shard;
-use crate::read::open;
 use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::read::open;
 use wavecrest_base::replace::{Sink, replace_file, write_error};
+use wavecrest_core::render::work::Summed;
 
 /// The first bytes of a part.
 const MAGIC: &[u8; 8] = b"WAVEPART";
@@ -43,6 +44,17 @@ const MAX_HEADER_BYTES: u32 = 4 << 20;
 /// Bytes of a unit without its sums.
 const UNIT_BYTES: u64 = 4 * 4 + 8 + 8;
 
+/// The origin of a render, recorded in its files.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Author {
+    /// The scene's file as given; informative only.
+    pub scene: String,
+    /// The command; informative only.
+    pub command: Vec<String>,
+    /// The transfer curve of 8-bit images: a merge uses the same unless another is requested.
+    pub transfer: Transfer,
+}
+
 /// The header of a part.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PartHeader {
@@ -50,28 +62,15 @@ pub struct PartHeader {
     pub identity: Identity,
     /// The shard to render; `None` for all.
     pub shard: Option<Shard>,
-    /// The scene's file as given; informative only.
-    pub scene: String,
-    /// The command that made it; informative only.
-    pub command: Vec<String>,
-    /// The transfer curve of 8-bit images: a merge uses the same unless another is requested.
-    pub transfer: Transfer,
+    /// Its origin.
+    #[serde(flatten)]
+    pub author: Author,
     /// Number of units in the file.
     pub units: u64,
 }
 
-/// Blocks of samples of a tile, summed for each pixel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct UnitSums {
-    /// The tile's number in [`Identity::grid`].
-    pub tile: u32,
-    /// The blocks: all up to some block, or a single one.
-    pub blocks: Range<u32>,
-    /// Samples that were not finite.
-    pub invalid: u64,
-    /// The sums, row by row.
-    pub sums: Vec<[f64; 3]>,
-}
+/// A unit as it is stored, with a tile of [`Identity::grid`].
+pub type StoredUnit = Summed<'static>;
 
 /// Writes a part with these units, in order, or leaves the file at `path` unchanged.
 ///
@@ -80,7 +79,7 @@ pub struct UnitSums {
 pub fn write<'a>(
     path: &Path,
     header: &PartHeader,
-    units: impl IntoIterator<Item = &'a UnitSums>,
+    units: impl IntoIterator<Item = &'a StoredUnit>,
 ) -> Result<()> {
     replace_file(path, |sink| {
         let json = serde_json::to_vec(header).map_err(|error| {
@@ -89,7 +88,7 @@ pub fn write<'a>(
         let length = json.len() as u32;
         let bytes = [&MAGIC[..], &VERSION.to_le_bytes(), &length.to_le_bytes(), &json].concat();
         let seed = put(sink, path, 0, &bytes)?;
-        units.into_iter().try_for_each(|unit| put(sink, path, seed, &unit.bytes()).map(drop))
+        units.into_iter().try_for_each(|unit| put(sink, path, seed, &unit_bytes(unit)).map(drop))
     })
 }
 
@@ -100,15 +99,12 @@ fn put(sink: &mut Sink<'_>, path: &Path, seed: u64, bytes: &[u8]) -> Result<u64>
     written.map(|()| hash).map_err(|error| write_error(path, error))
 }
 
-impl UnitSums {
-    fn bytes(&self) -> Vec<u8> {
-        let Self { tile, blocks, invalid, sums } = self;
-        let numbers = [*tile, blocks.start, blocks.end, sums.len() as u32];
-        let mut bytes = numbers.map(u32::to_le_bytes).concat();
-        bytes.extend(invalid.to_le_bytes());
-        bytes.extend(sums.as_flattened().iter().flat_map(|sum| sum.to_le_bytes()));
-        bytes
-    }
+fn unit_bytes(Summed { tile, blocks, invalid, sums }: &StoredUnit) -> Vec<u8> {
+    let numbers = [*tile, blocks.start, blocks.end, sums.len() as u32];
+    let mut bytes = numbers.map(u32::to_le_bytes).concat();
+    bytes.extend(invalid.to_le_bytes());
+    bytes.extend(sums.as_flattened().iter().flat_map(|sum| sum.to_le_bytes()));
+    bytes
 }
 
 /// A part read unit by unit.
@@ -134,8 +130,8 @@ impl PartReader {
     }
 
     fn open_it(path: &Path) -> Result<Self> {
-        let file = open(path, "part")?;
-        let length = file.metadata().map_err(read_error)?.len();
+        let failed = |error| Error::io("cannot read the part", path, error);
+        let (file, length) = open(path).map_err(failed)?;
         let mut file = BufReader::new(file);
         let (header, seed) = header(&mut file, length)?;
         header.identity.check()?;
@@ -151,12 +147,12 @@ impl PartReader {
     ///
     /// # Errors
     /// If the file is truncated or damaged, or continues after its last unit.
-    pub fn next_unit(&mut self) -> Result<Option<UnitSums>> {
+    pub fn next_unit(&mut self) -> Result<Option<StoredUnit>> {
         let place = format!("unit {} of {}", self.read + 1, self.header.units);
         self.read_unit().map_err(|error| error.in_file(&self.path).at(place))
     }
 
-    fn read_unit(&mut self) -> Result<Option<UnitSums>> {
+    fn read_unit(&mut self) -> Result<Option<StoredUnit>> {
         if self.read == self.header.units {
             let mut more = [0];
             return match self.file.read(&mut more) {
@@ -177,7 +173,7 @@ impl PartReader {
         let sums = bytes[start..].chunks_exact(size_of::<[f64; 3]>()).map(sum).collect();
         self.read += 1;
         self.last = Some((tile, end));
-        Ok(Some(UnitSums { tile, blocks: first..end, invalid, sums }))
+        Ok(Some(Summed { tile, blocks: first..end, invalid, sums }))
     }
 
     /// The number of pixels of a unit, if such a unit is possible at this place.

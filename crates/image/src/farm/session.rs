@@ -8,9 +8,8 @@ use std::time::{Duration, Instant};
 
 use super::checkpoint::{Checkpoint, UnitStore};
 use super::identity::Identity;
-use super::part::{PartHeader, UnitSums};
+use super::part::{Author, PartHeader};
 use super::shard::Shard;
-use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::Grid;
@@ -40,17 +39,6 @@ pub struct Session<'a> {
 /// render of a huge image does not spend its time on checkpoints.
 const PAUSE_FACTOR: u32 = 10;
 
-/// The origin of a render, recorded in its files.
-#[derive(Clone, Debug, Default)]
-pub struct Author {
-    /// The scene's file as given.
-    pub scene: String,
-    /// The command.
-    pub command: Vec<String>,
-    /// The transfer curve of 8-bit images.
-    pub transfer: Transfer,
-}
-
 impl<'a> Session<'a> {
     /// Starts or resumes a render of `shard`, or of the whole image, with its `checkpoint`.
     ///
@@ -64,10 +52,9 @@ impl<'a> Session<'a> {
         shard: Option<Shard>,
         checkpoint: Option<Checkpoint>,
     ) -> Result<Self> {
-        let Author { scene: file, command, transfer } = author;
         let identity = Identity::of(scene, &options)?;
         let grid = identity.grid();
-        let header = PartHeader { identity, shard, scene: file, command, transfer, units: 0 };
+        let header = PartHeader { identity, shard, author, units: 0 };
         let held = checkpoint.as_ref().map_or(Ok(None), |checkpoint| checkpoint.load(&header))?;
         let has_checkpoint = held.is_some();
         let store = held.unwrap_or_default();
@@ -125,11 +112,7 @@ impl<'a> Session<'a> {
     /// If there is no memory for the film, or the plan's table of passes is inconsistent.
     pub fn render(&self, watch: &dyn Watch, warn: &(dyn Fn(&Error) + Sync)) -> Result<Rendered> {
         let canvas = Canvas::new(self.grid, self.header.identity.blocks(), watch)?;
-        for unit in self.store.all() {
-            let UnitSums { tile, blocks, invalid, sums } = &*unit;
-            let blocks = blocks.clone();
-            canvas.keep(&Summed { tile: *tile, blocks, invalid: *invalid, sums });
-        }
+        self.store.all().iter().for_each(|unit| canvas.keep(unit));
         let done = self.run(watch, warn, &|summed| canvas.keep(summed))?;
         Ok(Rendered::new(canvas.finish(), done))
     }

@@ -1,6 +1,5 @@
 //! Buffers, and the views into them that accessors and images use.
 
-use std::fs::File;
 use std::io::{self, Read as _};
 use std::ops::Range;
 use std::path::Path;
@@ -9,6 +8,7 @@ use std::sync::Arc;
 use crate::format::Cursor;
 use wavecrest_base::error::{ErrorKind, Result};
 use wavecrest_base::memory::Activity;
+use wavecrest_base::read::open;
 
 use super::fields::Fields;
 use super::uri::{self, UriTarget};
@@ -70,15 +70,10 @@ fn beginning(uri: &Cursor<'_>, path: &Path, length: u64) -> Result<Vec<u8>> {
         let error = uri.error_of(ErrorKind::Io, message);
         error.remedy("put it beside the glTF file").because(e)
     };
-    // The length of a pipe or a device is meaningless, and opening one can block.
-    if !path.metadata().map_err(refused)?.is_file() {
-        let message = format!("{} is not a regular file", path.display());
-        return Err(uri.error_of(ErrorKind::Io, message).remedy("name a file"));
-    }
+    let (file, _) = open(path).map_err(refused)?;
     uri.notes().reads(path);
     let _reading = Activity::new(format!("reading {}", path.display()));
     let mut bytes = Vec::new();
-    let file = File::open(path).map_err(refused)?;
     file.take(length).read_to_end(&mut bytes).map_err(refused)?;
     Ok(bytes)
 }

@@ -1,11 +1,11 @@
 //! Where the image of a texture is: a file, or bytes within the scene file.
 
-use std::fs::File;
 use std::hash::{Hash, Hasher};
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use wavecrest_base::read::open;
 use wavecrest_image::decoder::Content;
 
 /// The source of a texture's image.
@@ -50,11 +50,7 @@ impl TextureSource {
     /// Opens the image file.
     pub(crate) fn open(&self) -> io::Result<Box<dyn Content + '_>> {
         Ok(match self {
-            // Opening a pipe can wait forever.
-            Self::File(path) if !path.metadata()?.is_file() => {
-                return Err(io::Error::other("not a regular file"));
-            }
-            Self::File(path) => Box::new(BufReader::new(File::open(path)?)),
+            Self::File(path) => Box::new(BufReader::new(open(path)?.0)),
             Self::Embedded { bytes, .. } => Box::new(io::Cursor::new(bytes)),
         })
     }
