@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-use super::common::{print, rounded, size, tell_prepared};
+use super::common::{print, rounded, tell_prepared};
 use super::input::{SceneOptions, Shown};
 use wavecrest_base::error::Result;
+use wavecrest_base::words::{Size, counted};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::light::Light;
 use wavecrest_core::kernels::texture::Image;
@@ -63,10 +64,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
 fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
     let geometry = scene.accel.geometry();
     let [width, height] = scene.camera.size();
-    let rays = match scene.camera.rays_per_pixel() {
-        1 => "1 ray".to_owned(),
-        n => format!("{n} rays"),
-    };
+    let rays = counted(scene.camera.rays_per_pixel().into(), "ray");
     let shapes = scene.appearance.shapes.iter().filter(|shape| shape.light.is_none());
     let lights = scene.lights.iter().filter(|light| light.power != Vec3::ZERO);
     let is_ambient = |light: &&Light| light.emitter.ambient_reach().is_some();
@@ -105,5 +103,5 @@ fn extent(scene: &PreparedScene) -> [String; 3] {
 /// The length of a file after a comma, if known.
 fn bytes_of(path: &Path) -> String {
     let length = path.metadata().ok().filter(|found| found.is_file()).map(|found| found.len());
-    length.map_or_else(String::new, |bytes| format!(", {}", size(bytes)))
+    length.map_or_else(String::new, |bytes| format!(", {}", Size(bytes)))
 }

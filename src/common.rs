@@ -218,11 +218,6 @@ pub(crate) fn seconds(seconds: f64) -> String {
     format!("{seconds:.digits$}")
 }
 
-/// A number of bytes, in units of 1000.
-pub(crate) fn size(bytes: u64) -> String {
-    words::Size(bytes).to_string()
-}
-
 /// Whole numbers between commas, if there are as many as asked for.
 pub(crate) fn numbers<T: FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
     let all: Option<Vec<T>> = text.split(',').map(|part| part.trim().parse().ok()).collect();

@@ -266,11 +266,6 @@ struct CheckedLimit {
 }
 
 impl CheckedLimit {
-    fn new(of: &'static str, found: f64, limit: f64) -> Self {
-        // NaN is not within a limit.
-        Self { of, found, limit, within: found <= limit }
-    }
-
     /// Such as "RMSE 0.2 is above 0.1".
     fn words(&self) -> String {
         let Self { of, found, limit, within } = *self;
@@ -312,9 +307,10 @@ impl Limits {
             ("FLIP", flip, self.max_flip),
             ("the number of different pixels", beyond as f64, most),
         ];
-        limits
-            .into_iter()
-            .filter_map(|(of, value, most)| Some(CheckedLimit::new(of, value, most?)))
-            .collect()
+        let checked = |(of, found, most): (&'static str, f64, Option<f64>)| {
+            // NaN is not within a limit.
+            most.map(|limit| CheckedLimit { of, found, limit, within: found <= limit })
+        };
+        limits.into_iter().filter_map(checked).collect()
     }
 }

@@ -7,12 +7,12 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::common::{grouped, known, print, rounded, seconds, size, tell_prepared, to_json, whole};
+use super::common::{grouped, known, print, rounded, seconds, tell_prepared, to_json, whole};
 use super::input::{SceneOptions, Shown};
 use wavecrest_base::error::Result;
 use wavecrest_base::memory;
+use wavecrest_base::words::{Size, counted};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{ColumnGroup, PASSES, Pass, Step};
 use wavecrest_core::prepared::PreparedScene;
@@ -48,13 +48,11 @@ pub(crate) struct ExplainArgs {
 /// The plan of a render, and what is known of it before and after.
 struct Explanation<'a> {
     scene: &'a PreparedScene,
-    precision: Precision,
     bvh: BvhChoice,
     /// The numbers of chunks of the tree that rays of the pilot built, and of all.
     chunks: Option<[usize; 2]>,
     /// What is measured after the pilot.
     memory: PreparedMemory,
-    /// Upper bounds on the work of the render.
     /// The expectation from a pilot.
     expected: Expected,
     /// Seconds measured, without those in which rays build.
@@ -65,10 +63,12 @@ struct Explanation<'a> {
 }
 
 /// The preset and the reason.
+#[derive(Serialize)]
 struct BvhChoice {
     preset: Preset,
     reason: String,
     /// The rule by rays per primitive; `None` for a requested preset.
+    #[serde(skip_serializing_if = "Option::is_none")]
     rule: Option<String>,
 }
 
@@ -122,33 +122,26 @@ pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
         let start = Instant::now();
         let loaded = args.scene_options.load(&args.scene, None, &[])?;
         let extracted = args.scene_options.extract(loaded, Shown::default())?;
-        explain(extracted, start, args)
+        let load = start.elapsed().as_secs_f64();
+        let bvh = choice(&extracted, args.scene_options.bvh);
+        let start = Instant::now();
+        let scene = &extracted.build(bvh.preset);
+        let build = start.elapsed().as_secs_f64();
+        tell_prepared(scene, &args.scene, args.scene_options.quiet);
+        let options = RenderOptions { batch: args.batch as usize, ..RenderOptions::default() };
+        let expected = Expected::of(scene, &options)?;
+        let explanation = Explanation {
+            scene,
+            bvh,
+            chunks: scene.accel.chunks(),
+            memory: PreparedMemory::of(scene, expected.columns),
+            expected,
+            load,
+            build,
+            rendered: args.render.then(|| render(scene, &options, &())).transpose()?,
+        };
+        print(&if args.json { to_json(&explanation.json())? } else { text(&explanation) })
     })
-}
-
-fn explain(extracted: Extracted, start: Instant, args: &ExplainArgs) -> Result<()> {
-    let load = start.elapsed().as_secs_f64();
-    let bvh = choice(&extracted, args.scene_options.bvh);
-    let batch = args.batch as usize;
-    let start = Instant::now();
-    let scene = &extracted.build(bvh.preset);
-    let build = start.elapsed().as_secs_f64();
-    tell_prepared(scene, &args.scene, args.scene_options.quiet);
-    let options = RenderOptions { batch, ..RenderOptions::default() };
-    let expected = Expected::of(scene, &options)?;
-    let chunks = scene.accel.chunks();
-    let explanation = Explanation {
-        scene,
-        precision: args.scene_options.precision,
-        bvh,
-        chunks,
-        memory: PreparedMemory::of(scene, expected.columns),
-        expected,
-        load,
-        build,
-        rendered: args.render.then(|| render(scene, &options, &())).transpose()?,
-    };
-    print(&if args.json { to_json(&explanation.json())? } else { text(&explanation) })
 }
 
 impl Explanation<'_> {
@@ -164,13 +157,12 @@ impl Explanation<'_> {
                 "seconds": seconds,
             })
         };
-        let (preset, reason, rule) = (bvh.preset, &bvh.reason, &bvh.rule);
         known(json!({
             "passes": passes(&scene.plan),
             "plan": scene.plan,
-            "precision": self.precision,
+            "precision": scene.accel.geometry().precision,
             "moved_by": self.moved_by(),
-            "bvh": known(json!({ "preset": preset, "reason": reason, "rule": rule })),
+            "bvh": bvh,
             "chunks": self.chunks,
             "bytes_per_path": buffers(scene),
             "memory": self.memory,
@@ -261,7 +253,8 @@ fn text(e: &Explanation<'_>) -> String {
         text += &marked(decision.present, decision.effect.name(), &decision.reason.to_string());
     }
     text += "precision\n";
-    text += &named(e.precision.name(), e.precision.meaning());
+    let precision = e.scene.accel.geometry().precision;
+    text += &named(precision.name(), precision.meaning());
     if let Some([x, y, z]) = e.moved_by() {
         text += &named("", &format!("scene moved by {x}, {y}, {z} towards the origin"));
     }
@@ -299,10 +292,7 @@ fn verdict(e: &Explanation<'_>) -> String {
     let time = seconds(e.load + build + trace);
     let parts = [("read", e.load), ("build", build), ("trace", trace)];
     let parts = parts.map(|(what, of_it)| format!("{} s to {what}", seconds(of_it))).join(", ");
-    let threads = match rayon::current_num_threads() {
-        1 => "1 thread".to_owned(),
-        n => format!("{n} threads"),
-    };
+    let threads = counted(rayon::current_num_threads() as u64, "thread");
     let Rays { primary, secondary, shadow } = e.expected.rays;
     let about = |n: u64| grouped(rounded(n as f64, 3) as u64);
     let kinds = [(primary, "camera"), (secondary, "secondary"), (shadow, "shadow")];
@@ -311,7 +301,7 @@ fn verdict(e: &Explanation<'_>) -> String {
     let (all, kinds) = (about(e.expected.rays.all()), kinds.join(", "));
     let memory = match (e.memory.held, e.memory.peak) {
         (Some(held), Some(peak)) => {
-            format!("about {} of memory once prepared, {} at the peak\n", size(held), size(peak))
+            format!("about {} of memory once prepared, {} at the peak\n", Size(held), Size(peak))
         }
         _ => String::new(),
     };
@@ -361,6 +351,7 @@ fn memory_text(e: &Explanation<'_>) -> String {
         ("    the process", m.held, None),
         ("    its peak", m.peak, found.and_then(|_| memory::peak())),
     ];
+    let size = |bytes| Size(bytes).to_string();
     let mut text = row("memory", "prepared", found.map(|_| "rendered"));
     for (name, prepared, rendered) in uses {
         let prepared = prepared.map(size).unwrap_or_default();

@@ -76,20 +76,14 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<()> {
     let start = Instant::now();
     let template = "{wide_bar} {bytes} of {total_bytes}, {eta} left";
     let written = with_bar(args.quiet, template, |progress| write_ply(&recipe, path, progress));
-    let line = summary(path, &written?, start.elapsed().as_secs_f64());
+    let Written { vertices, triangles, bytes } = written?;
     if !args.quiet {
-        tell(&line);
+        let (name, seconds, size) = (path.display(), start.elapsed().as_secs_f64(), Size(bytes));
+        tell(&format!(
+            "{name}: {vertices} vertices, {triangles} triangles, {bytes} bytes ({size}), {seconds:.2} s"
+        ));
     }
     Ok(())
-}
-
-fn summary(path: &Path, written: &Written, seconds: f64) -> String {
-    let Written { vertices, triangles, bytes } = written;
-    format!(
-        "{}: {vertices} vertices, {triangles} triangles, {bytes} bytes ({}), {seconds:.2} s",
-        path.display(),
-        Size(*bytes)
-    )
 }
 
 /// An integer, which may have `_` between digits, a decimal point, and `k`, `M` or `G` for

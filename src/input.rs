@@ -18,6 +18,7 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_image::look::Look;
+use wavecrest_image::write::Develop;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{
@@ -246,7 +247,8 @@ impl SceneOptions {
         }
         let all = shown.all || shown.look.is_some_and(|look| !look.is_shaded());
         let passes = if all { &unplanned(&PASSES)[..] } else { &PASSES };
-        let (precision, flat, exposure) = (self.precision, self.flatten, shown.exposure);
+        let (precision, flat) = (self.precision, self.flatten);
+        let exposure = shown.develop.factor();
         systems::extract(loaded.world, systems::Options { precision, passes, flat, exposure })
     }
 
@@ -257,20 +259,14 @@ impl SceneOptions {
 }
 
 /// What images show of a scene.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Shown {
     /// Instead of light.
     pub(crate) look: Option<Look>,
     /// Whether what light would not show is prepared, too.
     pub(crate) all: bool,
-    /// See [`systems::Options`].
-    pub(crate) exposure: f32,
-}
-
-impl Default for Shown {
-    fn default() -> Self {
-        Self { look: None, all: false, exposure: 1.0 }
-    }
+    /// How light becomes levels.
+    pub(crate) develop: Develop,
 }
 
 /// A number of bytes, with or without a unit.

@@ -5,12 +5,15 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
+#[cfg(unix)]
 use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::low_level::signal_name;
 
 use wavecrest_base::error::{Error, ErrorKind};
 
-/// The signals, with their names.
-const SIGNALS: [(i32, &str); 2] = [(SIGINT, "SIGINT"), (SIGTERM, "SIGTERM")];
+/// The signals.
+#[cfg(unix)]
+const SIGNALS: [i32; 2] = [SIGINT, SIGTERM];
 
 /// Offset from the number of a signal to the exit code of a process that it ended, as in shells.
 const SIGNALLED: u8 = 128;
@@ -41,7 +44,7 @@ pub(super) fn clean_up() {
     use signal_hook::{flag, low_level};
     use wavecrest_base::replace::remove_temporary_files;
 
-    let Ok(mut signals) = Signals::new(SIGNALS.map(|(number, _)| number)) else { return };
+    let Ok(mut signals) = Signals::new(SIGNALS) else { return };
     let wait = move || {
         for number in signals.forever() {
             let is_recorded = IS_RECORDED.load(Ordering::Relaxed);
@@ -49,7 +52,8 @@ pub(super) fn clean_up() {
                 continue;
             }
             remove_temporary_files();
-            crate::common::tell_last(&format!("stopped by {}; {}", name(number), left()));
+            let name = signal_name(number).unwrap_or("a signal");
+            crate::common::tell_last(&format!("stopped by {name}; {}", left()));
             if !is_recorded {
                 // The parent sees what ended the process.
                 let _ = low_level::emulate_default_handler(number);
@@ -58,7 +62,7 @@ pub(super) fn clean_up() {
         }
     };
     if thread::Builder::new().spawn(wait).is_err() {
-        for (number, _) in SIGNALS {
+        for number in SIGNALS {
             let _ = flag::register_conditional_default(number, Arc::new(AtomicBool::new(true)));
         }
     }
@@ -77,17 +81,11 @@ pub(super) fn signal() -> Option<u8> {
 /// The error that the recorded signal ended the work, of which `share` (0 to 1) was finished.
 pub(super) fn error(share: f64) -> Error {
     let signal = signal().unwrap_or_default();
-    let name = name(signal.into());
+    let name = signal_name(signal.into()).unwrap_or("a signal");
     // Rounded down: unfinished work is never 100 %.
     let percent = (share * 1000.0).floor() / 10.0;
     let message = format!("stopped by {name} at {percent} %");
     Error::new(ErrorKind::Interrupted(signal), message)
-}
-
-/// The name of a signal.
-fn name(signal: i32) -> &'static str {
-    let named = SIGNALS.into_iter().find(|(number, _)| *number == signal);
-    named.map_or("a signal", |(_, name)| name)
 }
 
 /// The files that the process leaves behind, in words.

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::common::{choice, tell};
-use super::output_options::{DevelopOptions, MetadataOptions};
+use super::common::{FILES, choice, tell};
+use super::output_options::{DevelopOptions, Metadata};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::check_differs;
+use wavecrest_base::words::counted;
 use wavecrest_image::farm::merge::{Merged, merge};
 use wavecrest_image::metadata::Extras;
 use wavecrest_image::write::{Transfer, check_writable, write_with};
@@ -27,9 +28,9 @@ pub(crate) struct MergeArgs {
     /// Exposure and tone mapping
     #[command(flatten)]
     pub(crate) develop: DevelopOptions,
-    /// Metadata
-    #[command(flatten)]
-    pub(crate) metadata: MetadataOptions,
+    /// Metadata to write
+    #[arg(long, help_heading = FILES, value_enum, default_value_t)]
+    pub(crate) metadata: Metadata,
     /// Print no summary; warnings and errors stay
     #[arg(short, long)]
     pub(crate) quiet: bool,
@@ -50,8 +51,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<()> {
     let extras = Extras { entries: &entries, develop, ..args.metadata.extras() };
     write_with(&film, &args.output, args.transfer.unwrap_or(transfer), &extras)?;
     if !args.quiet {
-        let (name, parts) = (args.output.display(), args.parts.len());
-        let parts = if parts == 1 { "1 part".to_owned() } else { format!("{parts} parts") };
+        let (name, parts) = (args.output.display(), counted(args.parts.len() as u64, "part"));
         tell(&format!("{name}  {}x{}  {parts}", film.width(), film.height()));
     }
     if invalid > 0 {

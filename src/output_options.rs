@@ -4,23 +4,15 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-use super::common::{FILES, IMAGE, choice, command_words, number};
+use super::common::{IMAGE, choice, command_words, number};
 use wavecrest_base::words;
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras, Provenance};
 use wavecrest_image::write::{Develop, Format, Tone};
 
-/// Options on what is said.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub(crate) struct MetadataOptions {
-    /// Metadata to write
-    #[arg(long, help_heading = FILES, value_enum, default_value_t)]
-    pub(crate) metadata: MetadataKind,
-}
-
 /// What files say of how their image was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MetadataKind {
+pub(crate) enum Metadata {
     /// Program, scene, seed, samples and precision, in .exr and .png; independent of tracer and machine
     #[default]
     Auto,
@@ -30,11 +22,11 @@ pub(crate) enum MetadataKind {
     None,
 }
 
-impl MetadataOptions {
+impl Metadata {
     /// Whether an image in this file gets metadata.
-    pub(super) fn is_stored_in(&self, file: &Path) -> bool {
-        match (self.metadata, Format::from_path(file)) {
-            (MetadataKind::None, _) | (_, Ok(Format::Pfm)) => false,
+    pub(super) fn is_stored_in(self, file: &Path) -> bool {
+        match (self, Format::from_path(file)) {
+            (Self::None, _) | (_, Ok(Format::Pfm)) => false,
             (_, Ok(Format::Ppm)) => self.extras().comments,
             // Animations too.
             (_, Ok(Format::Png | Format::Exr) | Err(_)) => true,
@@ -42,19 +34,17 @@ impl MetadataOptions {
     }
 
     /// The metadata of an image with this identity, as far as requested.
-    pub(super) fn entries(&self, identity: &Identity) -> Vec<Entry> {
-        let command =
-            || (self.metadata == MetadataKind::Full).then(|| words::command(command_words()));
-        match self.metadata {
-            MetadataKind::None => Vec::new(),
-            _ => Provenance { command: command(), ..identity.provenance() }.entries(),
+    pub(super) fn entries(self, identity: &Identity) -> Vec<Entry> {
+        if self == Self::None {
+            return Vec::new();
         }
+        let command = (self == Self::Full).then(|| words::command(command_words()));
+        Provenance { command, ..identity.provenance() }.entries()
     }
 
     /// How entries are written.
-    pub(super) fn extras(&self) -> Extras<'static> {
-        let comments = self.metadata == MetadataKind::Full;
-        Extras { comments, ..Extras::default() }
+    pub(super) fn extras(self) -> Extras<'static> {
+        Extras { comments: self == Self::Full, ..Extras::default() }
     }
 }
 

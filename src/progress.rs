@@ -17,7 +17,8 @@ use std::time::{Duration, Instant};
 use indicatif::{HumanDuration, ProgressBar};
 use serde_json::json;
 
-use super::common::{progress_bar, size, tell};
+use super::common::{progress_bar, tell};
+use wavecrest_base::words::Size;
 use wavecrest_base::{memory, progress};
 
 /// The template of the bar.
@@ -27,9 +28,9 @@ const BAR: &str = "{msg} {wide_bar} {prefix}";
 const INTERVAL: Duration = Duration::from_millis(100);
 
 wavecrest_base::choices! {
-    /// A stage of a render. Names are those in lines of progress.
+    /// A phase of a render, in lines of progress the `stage`.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Stage {
+    pub enum Phase {
         /// Reading the scene and its meshes.
         Load = "load",
         /// Building the tree.
@@ -64,33 +65,33 @@ pub(crate) struct Display {
 }
 
 impl Display {
-    /// In a `style`; without a bar if `quiet`. The first stage is [`Stage::Load`].
+    /// In a `style`; without a bar if `quiet`. The first phase is [`Phase::Load`].
     pub(crate) fn new(style: Style, quiet: bool) -> Self {
         progress::begin();
         let has_bar = style == Style::Bar || (style == Style::Auto && !quiet);
         let bar = progress_bar(!has_bar, BAR);
         let is_shown = style == Style::Json || !bar.is_hidden();
-        let (start, stage) = (Instant::now(), Stage::Load);
-        let state = Mutex::new(State { stage, frame: None, began: start, pace: None });
+        let (start, phase) = (Instant::now(), Phase::Load);
+        let state = Mutex::new(State { phase, frame: None, began: start, pace: None });
         let traced = [AtomicU64::new(0), AtomicU64::new(0)];
         let shared = Arc::new(Shared { bar, lines: style == Style::Json, start, state, traced });
         let (stop, stopped) = mpsc::channel();
-        let looked_at = Arc::clone(&shared);
-        let look = move || {
+        let shown = Arc::clone(&shared);
+        let tick = move || {
             while stopped.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                if looked_at.state().stage != Stage::Done {
-                    looked_at.show();
+                if shown.state().phase != Phase::Done {
+                    shown.show();
                 }
             }
         };
-        // Without a thread, stages are shown at their starts.
-        let ticker = is_shown.then(|| thread::Builder::new().spawn(look).ok()).flatten();
+        // Without a thread, phases are shown at their starts.
+        let ticker = is_shown.then(|| thread::Builder::new().spawn(tick).ok()).flatten();
         Self { shared, ticker: ticker.map(|thread| (stop, thread)) }
     }
 
-    /// A stage starts.
-    pub(crate) fn stage(&self, stage: Stage) {
-        self.shared.begin(stage);
+    /// A phase starts.
+    pub(crate) fn begin(&self, phase: Phase) {
+        self.shared.begin(phase);
         self.shared.show();
     }
 
@@ -106,7 +107,7 @@ impl Display {
         of_done.fetch_max(done, Ordering::Relaxed);
     }
 
-    /// Shows the end of a stage.
+    /// Shows the end of a phase.
     pub(crate) fn finish(&self) {
         self.shared.show();
     }
@@ -134,9 +135,9 @@ struct Shared {
 
 #[derive(Clone, Copy)]
 struct State {
-    stage: Stage,
+    phase: Phase,
     frame: Option<[u64; 2]>,
-    /// The start of the stage.
+    /// The start of the phase.
     began: Instant,
     /// When work was first seen, and how much was done by then: a checkpoint's tiles tell nothing of the time to go.
     pace: Option<(Instant, u64)>,
@@ -147,10 +148,10 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn begin(&self, stage: Stage) {
+    fn begin(&self, phase: Phase) {
         let mut state = self.state();
         let is_later_frame = state.frame.is_some_and(|[frame, _]| frame > 1);
-        if stage == Stage::Trace {
+        if phase == Phase::Trace {
             // A render for a target error starts again. Frames are equally large.
             let [done, all] = &self.traced;
             done.store(0, Ordering::Relaxed);
@@ -159,18 +160,18 @@ impl Shared {
             }
         }
         // Frames have a pace of their own, which includes their writing.
-        if state.frame.is_none() || (stage == Stage::Trace && !is_later_frame) {
+        if state.frame.is_none() || (phase == Phase::Trace && !is_later_frame) {
             state.pace = None;
         }
         progress::begin();
-        (state.stage, state.began) = (stage, Instant::now());
+        (state.phase, state.began) = (phase, Instant::now());
     }
 
     fn show(&self) {
         let now = Instant::now();
         let mut state = self.state();
         let of_pixels =
-            state.stage == Stage::Trace || state.frame.is_some() && state.stage == Stage::Write;
+            state.phase == Phase::Trace || state.frame.is_some() && state.phase == Phase::Write;
         let counts = self.traced.each_ref().map(|count| count.load(Ordering::Relaxed));
         let [done, all] = if of_pixels { counts } else { progress::now() };
         let [frame, frames] = state.frame.filter(|_| of_pixels).unwrap_or([1, 1]);
@@ -181,7 +182,7 @@ impl Shared {
         let left = state.left(now, whole);
         if self.lines {
             self.print(*state, now, [done, all], left);
-        } else if state.stage == Stage::Done {
+        } else if state.phase == Phase::Done {
             self.bar.finish_and_clear();
         } else {
             self.draw(*state, now, whole, left);
@@ -190,7 +191,7 @@ impl Shared {
 
     fn print(&self, state: State, now: Instant, [done, all]: [u64; 2], left: Option<f64>) {
         let line = json!({
-            "stage": state.stage.name(),
+            "stage": state.phase.name(),
             "frame": state.frame.map(|[frame, _]| frame),
             "frames": state.frame.map(|[_, frames]| frames),
             "done": done,
@@ -202,21 +203,21 @@ impl Shared {
     }
 
     fn draw(&self, state: State, now: Instant, [done, all]: [u64; 2], left: Option<f64>) {
-        let words = match (state.frame, state.stage) {
-            (Some([frame, frames]), Stage::Trace | Stage::Write) => {
+        let words = match (state.frame, state.phase) {
+            (Some([frame, frames]), Phase::Trace | Phase::Write) => {
                 format!("image {frame} of {frames}")
             }
             // What is read is then prepared.
-            (_, Stage::Load) => memory::Stage::now().name().to_owned(),
-            (_, Stage::Build) => memory::Stage::Build.name().to_owned(),
-            (_, Stage::Trace) => memory::Stage::Trace.name().to_owned(),
-            (_, Stage::Write | Stage::Done) => memory::Stage::Write.name().to_owned(),
+            (_, Phase::Load) => memory::Stage::now().name().to_owned(),
+            (_, Phase::Build) => memory::Stage::Build.name().to_owned(),
+            (_, Phase::Trace) => memory::Stage::Trace.name().to_owned(),
+            (_, Phase::Write | Phase::Done) => memory::Stage::Write.name().to_owned(),
         };
         let numbers = match left.filter(|_| done < all) {
             Some(left) => {
                 let left = HumanDuration(Duration::try_from_secs_f64(left).unwrap_or_default());
-                match state.stage {
-                    Stage::Load => format!("{} of {}, {left:#} left", size(done), size(all)),
+                match state.phase {
+                    Phase::Load => format!("{} of {}, {left:#} left", Size(done), Size(all)),
                     _ => format!("{} %, {left:#} left", 100 * done / all),
                 }
             }
@@ -256,7 +257,7 @@ mod tests {
     fn time_to_go_is_that_of_the_work_since_it_was_first_seen() {
         let began = Instant::now();
         let now = began + Duration::from_secs(10);
-        let state = |pace| State { stage: Stage::Trace, frame: None, began, pace };
+        let state = |pace| State { phase: Phase::Trace, frame: None, began, pace };
         assert_eq!(state(None).left(now, [0, 0]), None);
         assert_eq!(state(Some((began, 0))).left(now, [0, 100]), None);
         assert_eq!(state(Some((began, 0))).left(now, [50, 100]), Some(10.0));
@@ -269,15 +270,15 @@ mod tests {
     fn frames_count_as_one_work() {
         let display = Display::new(Style::None, true);
         display.frame(3, 4);
-        display.stage(Stage::Trace);
+        display.begin(Phase::Trace);
         display.traced(50, 100);
         display.finish();
         let state = *display.shared.state();
         assert_eq!(state.pace.map(|(_, done)| done), Some(250));
-        display.stage(Stage::Write);
+        display.begin(Phase::Write);
         assert_eq!(display.shared.state().pace, state.pace);
         display.frame(4, 4);
-        display.stage(Stage::Trace);
+        display.begin(Phase::Trace);
         assert_eq!(display.shared.state().pace, state.pace);
     }
 }

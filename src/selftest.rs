@@ -14,6 +14,7 @@ use self::examine::Examined;
 use super::common::{Threads, choice, known, print, progress_bar, rounded, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::Listed;
+use wavecrest_base::words::counted;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_report::selftest::{CASES, Case, CasePart, Count, Effort, Losses, SEED, case};
@@ -157,7 +158,7 @@ fn row(case: &Case, efforts: &[Effort], scenes: &Path) -> CaseRow {
 
 /// What the rows say together.
 fn verdict(rows: &[CaseRow], args: &SelftestArgs) -> String {
-    let cases = |count: usize| format!("{count} {}", if count == 1 { "case" } else { "cases" });
+    let cases = |count: usize| counted(count as u64, "case");
     let is_recorded = args.seed == SEED && !args.full;
     let bits = if is_recorded { "recorded bits" } else { "bits of the reference kernel" };
     let exact = rows.iter().filter(|row| row.exact.is_some()).count();

@@ -168,18 +168,18 @@ fn time_passes(accel: &Accel, file: &RayFile, tracer: TracerKind, repeats: u32) 
         (vec![Hit::MISS; file.rays.len()], vec![false; file.rays.len()]);
     // One for each thread, reused between passes: allocating them is not part of the work.
     let mut traversals = vec![accel.traversal(); rayon::current_num_threads()];
+    let one_by_one = tracer == TracerKind::Recursive;
+    let find = |rays: &[Ray], hits: &mut [Hit], t: &mut Traversal| match one_by_one {
+        true => hits.iter_mut().zip(rays).for_each(|(hit, ray)| *hit = accel.closest(ray, t)),
+        false => accel.closest_of(rays, hits, t),
+    };
+    let test = |rays: &[Ray], found: &mut [bool], t: &mut Traversal| match one_by_one {
+        true => found.iter_mut().zip(rays).for_each(|(any, ray)| *any = accel.occluded(ray, t)),
+        false => accel.occluded_of(rays, found, t),
+    };
     let mut passes = |any_hit: bool| match any_hit {
-        false => {
-            let many = |rays: &[Ray], hits: &mut [Hit], t: &mut _| accel.closest_of(rays, hits, t);
-            let one = |ray: &Ray, t: &mut _| accel.closest(ray, t);
-            pass(&mut traversals, &file.rays, &mut closest, tracer, many, one)
-        }
-        true => {
-            let many =
-                |rays: &[Ray], found: &mut [bool], t: &mut _| accel.occluded_of(rays, found, t);
-            let one = |ray: &Ray, t: &mut _| accel.occluded(ray, t);
-            pass(&mut traversals, &file.rays, &mut occluded, tracer, many, one)
-        }
+        false => pass(&mut traversals, &file.rays, &mut closest, find),
+        true => pass(&mut traversals, &file.rays, &mut occluded, test),
     };
     let mut work = Counters::default();
     let mut samples: Vec<f64> = Vec::new();
@@ -193,14 +193,12 @@ fn time_passes(accel: &Accel, file: &RayFile, tracer: TracerKind, repeats: u32) 
     Answers { closest, occluded, work, seconds: samples[samples.len() / 2] }
 }
 
-/// Runs a query for every ray, block by block.
+/// Answers a `query` for every ray, block by block.
 fn pass<A: Send>(
     traversals: &mut [Traversal],
     rays: &[Ray],
     answers: &mut [A],
-    tracer: TracerKind,
-    many: impl Fn(&[Ray], &mut [A], &mut Traversal) + Sync,
-    one: impl Fn(&Ray, &mut Traversal) -> A + Sync,
+    query: impl Fn(&[Ray], &mut [A], &mut Traversal) + Sync,
 ) -> Counters {
     let count = rays_at_once(rays.len());
     let blocks = Mutex::new(answers.chunks_mut(count).zip(rays.chunks(count)));
@@ -208,14 +206,7 @@ fn pass<A: Send>(
     let work = traversals.par_iter_mut().with_max_len(1).map(|traversal| {
         (traversal.tests, traversal.kernels) = Default::default();
         while let Some((answers, rays)) = next() {
-            match tracer {
-                TracerKind::Wavefront => many(rays, answers, traversal),
-                TracerKind::Recursive => {
-                    for (answer, ray) in answers.iter_mut().zip(rays) {
-                        *answer = one(ray, traversal);
-                    }
-                }
-            }
+            query(rays, answers, traversal);
         }
         let Traversal { tests, kernels, .. } = *traversal;
         Counters { tests, kernels, ..Counters::default() }

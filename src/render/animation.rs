@@ -2,7 +2,7 @@
 
 use super::args::RenderArgs;
 use super::outputs::Outputs;
-use super::renderer::{Renderer, Run, in_pixels};
+use super::renderer::{Renderer, Work, in_pixels};
 use wavecrest_base::error::Result;
 use wavecrest_image::animation::{Animated, Animation};
 
@@ -13,7 +13,7 @@ use wavecrest_image::animation::{Animated, Animation};
 pub(super) fn render_animation(args: &RenderArgs, count: u32, format: Animated) -> Result<()> {
     let path = args.output()?;
     let outputs = Outputs::of_one(args, path)?;
-    Run::start(args, Some(count as usize), |mut work| {
+    Work::start(args, Some(count as usize), |mut work| {
         let mut renderer = Renderer::begin(args, &[&outputs], &mut work)?;
         let size = renderer.size();
         let (transfer, entries) = (outputs.transfer(), &outputs.entries(&renderer.scene)?);

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::common::{
-    FILES, FRAMES, IMAGE, LONG, SPEED, SearchOptions, above_zero, choice, numbers, output, whole,
+    FILES, FRAMES, IMAGE, LONG, SPEED, SearchOptions, above_zero, choice, numbers, output, tell,
+    whole,
 };
 use crate::input::{SceneOptions, Shown};
-use crate::output_options::{DevelopOptions, MetadataOptions};
+use crate::output_options::{DevelopOptions, Metadata};
 use crate::progress::Style;
 use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
@@ -20,7 +21,7 @@ use wavecrest_image::aov::Layer;
 use wavecrest_image::farm::Shard;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::look::Look;
-use wavecrest_image::write::{Develop, Transfer};
+use wavecrest_image::write::Transfer;
 
 /// Render a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
@@ -101,9 +102,9 @@ pub(crate) struct RenderArgs {
     /// Render shard I of N to a .part file for `wavecrest merge`
     #[arg(long, help_heading = LONG, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
     pub(crate) shard: Option<Shard>,
-    /// Metadata
-    #[command(flatten)]
-    pub(crate) metadata: MetadataOptions,
+    /// Metadata to write
+    #[arg(long, help_heading = FILES, value_enum, default_value_t)]
+    pub(crate) metadata: Metadata,
     /// Write statistics as JSON
     #[arg(long, help_heading = FILES, value_name = "FILE")]
     pub(crate) stats: Option<PathBuf>,
@@ -164,6 +165,13 @@ impl RenderArgs {
         Ok(all)
     }
 
+    /// Prints a note, unless there are to be none.
+    pub(super) fn say(&self, words: &str) {
+        if !self.scene_options.quiet {
+            tell(words);
+        }
+    }
+
     /// The render options.
     pub(super) fn options(&self) -> RenderOptions {
         let Self { tracer, crop, seed, .. } = *self;
@@ -172,8 +180,7 @@ impl RenderArgs {
 
     /// What the images show.
     pub(super) fn shown(&self) -> Shown {
-        let exposure = Develop::from(self.develop).factor();
-        Shown { look: self.look, exposure, ..Shown::default() }
+        Shown { look: self.look, develop: self.develop.into(), ..Shown::default() }
     }
 
     /// The file to write.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::args::{Frames, RenderArgs};
 use super::outputs::Outputs;
-use super::renderer::{Renderer, Run, in_pixels};
+use super::renderer::{Renderer, Work, in_pixels};
 use wavecrest_base::error::Result;
 use wavecrest_image::farm::Shard;
 
@@ -28,7 +28,7 @@ pub(super) fn render_frames(args: &RenderArgs, frames: Frames, shard: Option<Sha
         Ok((frame, Outputs::check(args, paths, false)?))
     };
     let all: Vec<(u32, Outputs<'_>)> = share(frames, shard).map(of_frame).collect::<Result<_>>()?;
-    Run::start(args, Some(all.len()), |mut work| {
+    Work::start(args, Some(all.len()), |mut work| {
         let files: Vec<&Outputs<'_>> = all.iter().map(|(_, outputs)| outputs).collect();
         work.numbered = true;
         let mut renderer = Renderer::begin(args, &files, &mut work)?;

@@ -5,10 +5,12 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::args::RenderArgs;
 use super::once::render_once;
-use super::show::Target;
+use super::outputs::Outputs;
 use crate::common::warn;
 use crate::interrupt;
+use crate::progress::Display;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
@@ -49,66 +51,66 @@ impl Watch for UntilSignal<'_> {
 
 /// Renders `scene`, whose tree with its `preset` may be replaced, as requested. `start` is the start of the command.
 pub(super) fn render_to_goal(
-    target: &Target<'_>,
+    outputs: &Outputs<'_>,
+    progress: &Display,
     scene: &mut PreparedScene,
     preset: &mut Preset,
     start: Instant,
 ) -> Result<Outcome> {
-    let args = target.args;
+    let args = outputs.args;
     let tree = args.scene_options.bvh.is_none().then_some(preset);
     let aimed = match (args.target_error, args.time_budget) {
-        (Some(error), _) => for_error(target, scene, tree, error)?,
-        (None, Some(seconds)) => Some(within(target, scene, start, seconds)?),
+        (Some(error), _) => for_error(outputs, progress, scene, tree, error)?,
+        (None, Some(seconds)) => Some(within(outputs, progress, scene, start, seconds)?),
         (None, None) => None,
     };
-    let ((rendered, resumed), goal) = match aimed {
-        // Neither has a checkpoint.
-        Some((rendered, goal)) => ((rendered, 0.0), goal),
-        None => (render_once(target, scene, None)?, None),
-    };
-    Ok(Outcome { rendered, goal, resumed, invalid: None })
+    if let Some(outcome) = aimed {
+        return Ok(outcome);
+    }
+    let (rendered, resumed) = render_once(outputs, progress, scene, None)?;
+    Ok(Outcome { rendered, goal: None, resumed, invalid: None })
 }
-
-/// A render, and its goal if it is finished.
-type AimedRender = (Rendered, Option<Value>);
 
 /// Renders, and repeats with more points while the error is above `most`. The tree with the
 /// preset `tree` may be replaced. `None` without a choice.
 fn for_error(
-    target: &Target<'_>,
+    outputs: &Outputs<'_>,
+    progress: &Display,
     scene: &mut PreparedScene,
     tree: Option<&mut Preset>,
     most: f64,
-) -> Result<Option<AimedRender>> {
-    let args = target.args;
+) -> Result<Option<Outcome>> {
+    let args = outputs.args;
     let reached = reach(scene, tree, most, args.seed, &UntilSignal(None), |scene, choice| {
-        target.say(&format!("chosen: {choice}"));
-        let (rendered, _) = render_once(target, scene, None)?;
-        let found = measure(target, scene, &rendered, &UntilSignal(None))?;
+        args.say(&format!("chosen: {choice}"));
+        let (rendered, _) = render_once(outputs, progress, scene, None)?;
+        let found = measure(args, scene, &rendered, &UntilSignal(None))?;
         Ok((rendered, found))
     })?;
     let Some(reached) = reached else { return Ok(None) };
     warn(reached.unreached(most, &args.scene).as_slice());
     let Reached { choice, rendered, found, renders, pilot, .. } = reached;
-    target.say(&format!("pilot: {pilot:.2} s"));
+    args.say(&format!("pilot: {pilot:.2} s"));
     Ok(Some(aimed(scene, rendered, format!("error {most}"), &choice, found, renders, pilot)))
 }
 
 /// Renders within so many seconds from `start` on.
 fn within(
-    target: &Target<'_>,
+    outputs: &Outputs<'_>,
+    progress: &Display,
     scene: &mut PreparedScene,
     start: Instant,
     seconds: f64,
-) -> Result<AimedRender> {
+) -> Result<Outcome> {
+    let args = outputs.args;
     let clock = || start.elapsed().as_secs_f64();
     let pixels = scene.camera.size().map(f64::from).iter().product();
     let budget = &Budget::new(&clock, seconds, pixels);
     if budget.left() <= 0.0 {
-        target.say("the time is over before the first ray: one point follows");
+        args.say("the time is over before the first ray: one point follows");
     }
     let original = scene.original();
-    let in_flight = target.args.batch as usize * rayon::current_num_threads();
+    let in_flight = args.batch as usize * rayon::current_num_threads();
     let overhead = Overhead {
         measuring: measuring_share(scene.camera.size()),
         in_flight: in_flight as f64 / pixels,
@@ -116,34 +118,34 @@ fn within(
     let axis = Axis::of(&Facts::of(scene));
     let (choice, rendered, renders) = in_time(axis, budget, overhead, |choice, pace| {
         scene.resample(&original, &choice.samples());
-        let (rendered, _) = render_once(target, scene, Some(pace))?;
+        let (rendered, _) = render_once(outputs, progress, scene, Some(pace))?;
         let is_finished = rendered.finished;
         Ok((rendered, is_finished))
     })?;
     scene.resample(&original, &choice.samples());
     if rendered.finished {
-        target.say(&format!("chosen: {choice}"));
+        args.say(&format!("chosen: {choice}"));
     }
-    let found = measure(target, scene, &rendered, &UntilSignal(Some(budget)))?;
+    let found = measure(args, scene, &rendered, &UntilSignal(Some(budget)))?;
     Ok(aimed(scene, rendered, format!("{seconds} s"), &choice, found, renders, 0.0))
 }
 
 /// The measured error of a finished render, if there is one and `until` does not end the measurement.
 fn measure(
-    target: &Target<'_>,
+    args: &RenderArgs,
     scene: &PreparedScene,
     rendered: &Rendered,
     until: &UntilSignal<'_>,
 ) -> Result<Option<MeasuredError>> {
-    let found = measured(scene, rendered, target.args.seed, until)?;
+    let found = measured(scene, rendered, args.seed, until)?;
     if until.cancelled() {
         if rendered.finished && until.is_over() {
-            target.say("error not measured: the time is over");
+            args.say("error not measured: the time is over");
         }
         return Ok(None);
     }
     if rendered.finished {
-        target.say(&told(found, scene));
+        args.say(&told(found, scene));
     }
     Ok(found)
 }
@@ -173,7 +175,7 @@ fn aimed(
     found: Option<MeasuredError>,
     renders: u32,
     pilot: f64,
-) -> AimedRender {
+) -> Outcome {
     let goal = json!({
         "asked": requested,
         "samples": choice.to_string(),
@@ -185,5 +187,5 @@ fn aimed(
         "pilot_seconds": pilot,
     });
     let goal = rendered.finished.then_some(goal);
-    (rendered, goal)
+    Outcome { rendered, goal, resumed: 0.0, invalid: None }
 }

@@ -3,54 +3,52 @@
 
 use super::args::RenderArgs;
 use super::look::render_look;
-use super::show::{Show, Target, warn};
+use super::outputs::Outputs;
+use super::show::{Show, warn};
 use crate::common::{command_words, tell};
 use crate::interrupt;
+use crate::progress::Display;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::{MOST_RAYS, PreparedScene};
 use wavecrest_core::probe::{self, InvalidSample};
+use wavecrest_core::render::Rendered;
 use wavecrest_core::render::units::Order;
-use wavecrest_core::render::{Rendered, render_in_order};
 use wavecrest_image::farm::{Author, Session, Shard};
 use wavecrest_report::accuracy::pilot::budget::Pace;
 
 /// Renders the image once, as long as its `pace` is good enough; returns it with the share that a checkpoint held (0 to 1).
 pub(super) fn render_once(
-    target: &Target<'_>,
+    outputs: &Outputs<'_>,
+    progress: &Display,
     scene: &PreparedScene,
     pace: Option<&Pace<'_>>,
 ) -> Result<(Rendered, f64)> {
-    let (show, args) = (Show::begin(target, scene, pace), target.args);
+    let (show, args) = (Show::begin(outputs, progress, scene, pace), outputs.args);
     if args.checkpoint.is_some() {
-        let part = begin(target, scene, None)?;
+        let part = begin(outputs, scene, None)?;
         return Ok((part.render(&show, &warn)?, part.resumed()));
     }
     // The pace of a part is that of the whole only if it is a fair sample.
     let order = if pace.is_some() { Order::Spread } else { Order::Rows };
-    let rendered = match args.look {
-        Some(look) => render_look(look, &args.options(), scene, &show)?,
-        None => render_in_order(scene, &args.options(), &show, order)?,
-    };
-    Ok((rendered, 0.0))
+    Ok((render_look(scene, args.look, &args.options(), &show, order)?, 0.0))
 }
 
 /// The work on the image, or on a shard of it; says what a checkpoint held.
 pub(super) fn begin<'a>(
-    target: &Target<'_>,
+    outputs: &Outputs<'_>,
     scene: &'a PreparedScene,
     shard: Option<Shard>,
 ) -> Result<Session<'a>> {
-    let Target { args, outputs, .. } = *target;
+    let args = outputs.args;
     let (file, transfer) = (args.scene.display().to_string(), outputs.transfer());
     let author = Author { scene: file, command: command_words(), transfer };
     let part = Session::begin(scene, args.options(), author, shard, args.checkpoint())?;
     if let Some(file) = &args.checkpoint
         && args.resume
-        && !args.scene_options.quiet
     {
         let (file, percent) = (file.display(), (part.resumed() * 1000.0).floor() / 10.0);
-        tell(&match part.has_checkpoint() {
+        args.say(&match part.has_checkpoint() {
             true => format!("resuming from {file}: {percent} % is done"),
             false => format!("no checkpoint {file} yet: starting from the beginning"),
         });
@@ -61,11 +59,11 @@ pub(super) fn begin<'a>(
 /// Writes the finished part of an image that a signal ended, unless it would replace an older image; returns the error
 /// with the progress.
 pub(super) fn interrupted(
-    target: &Target<'_>,
+    outputs: &Outputs<'_>,
     scene: &PreparedScene,
     rendered: &Rendered,
 ) -> Error {
-    let (outputs, share) = (target.outputs, share(rendered));
+    let share = share(rendered);
     let error = interrupt::error(share);
     let written = if share == 0.0 {
         Ok(outputs.untouched())
@@ -74,7 +72,7 @@ pub(super) fn interrupted(
         entries.and_then(|entries| outputs.write_unfinished(&rendered.film, &entries, share))
     };
     match written {
-        Ok(words) => error.remedy(words + &go_on(target.args)),
+        Ok(words) => error.remedy(words + &go_on(outputs.args)),
         Err(error) => error,
     }
 }

@@ -18,7 +18,7 @@ use wavecrest_scene::components::Encoding;
 
 /// The outputs of a render, checked to be writable.
 pub(super) struct Outputs<'a> {
-    args: &'a RenderArgs,
+    pub(super) args: &'a RenderArgs,
     pub(super) paths: Vec<PathBuf>,
     /// The transfer curve of 8-bit images, unless the arguments set it; known after reading the
     /// scene.
@@ -110,11 +110,17 @@ impl<'a> Outputs<'a> {
         })
     }
 
-    /// Writes a film of which only a `share`, from 0 to 1, is rendered, without layers.
+    /// Writes a film of which only a `share`, from 0 to 1, is rendered, to some of the files, without layers.
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub(super) fn write_part(&self, film: &Film, entries: &[Entry], share: f64) -> Result<()> {
+    pub(super) fn write_part(
+        &self,
+        paths: &[PathBuf],
+        film: &Film,
+        entries: &[Entry],
+        share: f64,
+    ) -> Result<()> {
         let mut entries = entries.to_vec();
         if !entries.is_empty() {
             // Rounded down: unfinished work is never 100 %.
@@ -122,7 +128,7 @@ impl<'a> Outputs<'a> {
             entries.push(Entry { name: "unfinished", text: format!("{percent} % is rendered") });
         }
         let (transfer, extras) = (self.transfer(), self.extras(&entries));
-        self.paths.iter().try_for_each(|path| write_with(film, path, transfer, &extras))
+        paths.iter().try_for_each(|path| write_with(film, path, transfer, &extras))
     }
 
     /// As [`Outputs::write_part`] after a signal, but leaves existing files unchanged, unless unfinished images were
@@ -139,13 +145,11 @@ impl<'a> Outputs<'a> {
         let replaces = self.args.save_every.is_some();
         let (free, kept): (Vec<PathBuf>, Vec<PathBuf>) =
             self.paths.iter().cloned().partition(|path| replaces || !path.exists());
-        let outputs = Self { paths: free, args: self.args, encoding: self.encoding.clone() };
-        outputs.write_part(film, entries, share)?;
-        let written = outputs
-            .paths
-            .iter()
-            .map(|path| format!("{} has what was finished; the rest is black", path.display()));
-        Ok(written.chain(kept.iter().map(|path| unchanged(path))).collect::<Vec<_>>().join("; "))
+        self.write_part(&free, film, entries, share)?;
+        let black =
+            |path: &PathBuf| format!("{} has what was finished; the rest is black", path.display());
+        let words = free.iter().map(black).chain(kept.iter().map(|path| unchanged(path)));
+        Ok(words.collect::<Vec<_>>().join("; "))
     }
 
     /// That none of the files is written, in words.
@@ -182,7 +186,7 @@ impl<'a> Outputs<'a> {
     /// # Errors
     /// If the crop is not within the image.
     pub(super) fn entries(&self, scene: &PreparedScene) -> Result<Vec<Entry>> {
-        let metadata = &self.args.metadata;
+        let metadata = self.args.metadata;
         if !self.paths.iter().any(|path| metadata.is_stored_in(path)) {
             return Ok(Vec::new());
         }

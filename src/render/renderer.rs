@@ -6,10 +6,9 @@ use super::args::RenderArgs;
 use super::goal::{Outcome, render_to_goal};
 use super::once::{find_invalid, interrupted, share};
 use super::outputs::Outputs;
-use super::show::Target;
 use crate::common::{grouped, seconds, tell, tell_prepared};
 use crate::interrupt;
-use crate::progress::{Display, Stage, Style};
+use crate::progress::{Display, Phase, Style};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::memory;
 use wavecrest_core::accel::build::Preset;
@@ -19,7 +18,7 @@ use wavecrest_core::render::Rendered;
 use wavecrest_report::statistics::{Rays, Time, pass_map};
 
 /// The images of one command, and what those that are finished took.
-pub(super) struct Run {
+pub(super) struct Work {
     pub(super) progress: Display,
     /// Whether a line is printed at the end.
     has_summary: bool,
@@ -33,7 +32,7 @@ pub(super) struct Run {
     traced_seconds: f64,
 }
 
-impl Run {
+impl Work {
     /// Does the `job` on the requested threads, with its progress shown: one image, or so many frames.
     pub(super) fn start(
         args: &RenderArgs,
@@ -76,7 +75,7 @@ impl Run {
 
     /// Shows the end, and prints the line after success: `name` is the output, `what` its size.
     pub(super) fn finish(&self, name: &str, what: &str) {
-        self.progress.stage(Stage::Done);
+        self.progress.begin(Phase::Done);
         if !self.has_summary {
             return;
         }
@@ -94,7 +93,7 @@ impl Run {
 /// A scene that is ready to be traced.
 pub(super) struct Renderer<'a, 'w> {
     pub(super) args: &'a RenderArgs,
-    pub(super) work: &'w mut Run,
+    pub(super) work: &'w mut Work,
     pub(super) scene: PreparedScene,
     /// The preset of its tree.
     pub(super) preset: Preset,
@@ -110,18 +109,18 @@ impl<'a, 'w> Renderer<'a, 'w> {
     pub(super) fn begin(
         args: &'a RenderArgs,
         outputs: &[&Outputs<'_>],
-        work: &'w mut Run,
+        work: &'w mut Work,
     ) -> Result<Self> {
         let (options, start) = (&args.scene_options, Instant::now());
         let mut time = Time::default();
-        work.progress.stage(Stage::Load);
+        work.progress.begin(Phase::Load);
         let files: Vec<_> = outputs.iter().flat_map(|outputs| outputs.files()).collect();
         let loaded = options.load(&args.scene, args.look, &files)?;
         let encoding = loaded.transfer();
         let extracted = options.extract(loaded, args.shown())?;
         let preset = options.preset(&extracted);
         time.load = start.elapsed().as_secs_f64();
-        work.progress.stage(Stage::Build);
+        work.progress.begin(Phase::Build);
         let mut scene = timed(&mut time.build, || extracted.build(preset));
         tell_prepared(&scene, &args.scene, options.quiet);
         args.search.apply(&mut scene.accel);
@@ -165,13 +164,13 @@ impl<'a, 'w> Renderer<'a, 'w> {
             }
             work.progress.frame(work.finished as u64 + 1, frames as u64);
         }
-        let target = Target { args, outputs, progress: &work.progress };
-        let start = work.start;
-        let outcome = timed(&mut time.trace, || render_to_goal(&target, scene, preset, start))?;
+        let Work { progress, start, .. } = &**work;
+        let aimed = || render_to_goal(outputs, progress, scene, preset, *start);
+        let outcome = timed(&mut time.trace, aimed)?;
         let Rendered { counters, finished, pass_seconds, .. } = &outcome.rendered;
         if !finished {
             return Err(match work.frames {
-                None => interrupted(&target, scene, &outcome.rendered),
+                None => interrupted(outputs, scene, &outcome.rendered),
                 Some(frames) => work.interrupted(frames, share(&outcome.rendered), outputs),
             });
         }
@@ -191,7 +190,7 @@ impl<'a, 'w> Renderer<'a, 'w> {
     /// # Errors
     /// If a file cannot be written.
     pub(super) fn write(&mut self, outputs: &Outputs<'_>, rendered: &Rendered) -> Result<()> {
-        self.work.progress.stage(Stage::Write);
+        self.work.progress.begin(Phase::Write);
         timed(&mut self.time.write, || outputs.write(&self.scene, rendered))?;
         self.time.total = self.work.start.elapsed().as_secs_f64();
         Ok(())

@@ -5,8 +5,8 @@ use std::time::Instant;
 use super::args::RenderArgs;
 use super::once::{begin, find_invalid, go_on};
 use super::outputs::Outputs;
-use super::renderer::{Renderer, Run};
-use super::show::{Show, Target, warn};
+use super::renderer::{Renderer, Work};
+use super::show::{Show, warn};
 use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_image::farm::Shard;
@@ -26,20 +26,21 @@ pub(super) fn render_shard(args: &RenderArgs, shard: Shard) -> Result<()> {
             .remedy("use a name such as out-1.part, and join all parts with wavecrest merge"));
     }
     let outputs = Outputs::check(args, args.paths()?, true)?;
-    Run::start(args, None, |mut work| {
+    Work::start(args, None, |mut work| {
         let renderer = Renderer::begin(args, &[&outputs], &mut work)?;
-        let target = &Target { args, outputs: &outputs, progress: &renderer.work.progress };
-        let part = begin(target, &renderer.scene, Some(shard))?;
+        let Renderer { scene, work, .. } = renderer;
+        let part = begin(&outputs, &scene, Some(shard))?;
         let start = Instant::now();
-        let done = part.render_units(&Show::begin(target, &renderer.scene, None), &warn)?;
-        renderer.work.add(&done.counters, start.elapsed().as_secs_f64());
+        let done =
+            part.render_units(&Show::begin(&outputs, &work.progress, &scene, None), &warn)?;
+        work.add(&done.counters, start.elapsed().as_secs_f64());
         if part.share() < 1.0 {
             let what = outputs.untouched();
             return Err(interrupt::error(part.share()).remedy(what + &go_on(args)));
         }
-        find_invalid(args, &renderer.scene, &done.counters)?;
+        find_invalid(args, &scene, &done.counters)?;
         part.write(output)?;
-        renderer.work.finish(&outputs.name(), &format!("shard {shard}"));
+        work.finish(&outputs.name(), &format!("shard {shard}"));
         Ok(())
     })
 }

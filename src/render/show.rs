@@ -6,11 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::args::RenderArgs;
 use super::outputs::Outputs;
 use crate::common::{seconds, tell};
 use crate::interrupt;
-use crate::progress::{Display, Stage};
+use crate::progress::{Display, Phase};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
@@ -18,22 +17,6 @@ use wavecrest_core::render::Watch;
 use wavecrest_core::tile::Tile;
 use wavecrest_image::metadata::Entry;
 use wavecrest_report::accuracy::pilot::budget::Pace;
-
-/// A render: what is requested, its files, and the channels that show it, during and after it.
-pub(super) struct Target<'a> {
-    pub(super) args: &'a RenderArgs,
-    pub(super) outputs: &'a Outputs<'a>,
-    pub(super) progress: &'a Display,
-}
-
-impl Target<'_> {
-    /// Prints a note.
-    pub(super) fn say(&self, words: &str) {
-        if !self.args.scene_options.quiet {
-            tell(words);
-        }
-    }
-}
 
 /// A failure that does not end a render, such as of a checkpoint that cannot be written: the warning is printed even with
 /// `--quiet`.
@@ -44,7 +27,8 @@ pub(super) fn warn(error: &Error) {
 /// Shows one render: its progress, and the image so far in the file. Ends it on a signal, or if it is
 /// too slow.
 pub(super) struct Show<'a> {
-    target: &'a Target<'a>,
+    outputs: &'a Outputs<'a>,
+    progress: &'a Display,
     saver: Option<ImageSaver<'a>>,
     pace: Option<&'a Pace<'a>>,
     /// That the time is too short.
@@ -54,30 +38,31 @@ pub(super) struct Show<'a> {
 impl<'a> Show<'a> {
     /// Begins to show the render of `scene`.
     pub(super) fn begin(
-        target: &'a Target<'a>,
+        outputs: &'a Outputs<'a>,
+        progress: &'a Display,
         scene: &PreparedScene,
         pace: Option<&'a Pace<'a>>,
     ) -> Self {
-        let Target { args, outputs, progress } = *target;
-        progress.stage(Stage::Trace);
+        let args = outputs.args;
+        progress.begin(Phase::Trace);
         let [width, height] = scene.camera.size();
         let window = args.crop.unwrap_or(Tile { x: 0, y: 0, width, height });
         let saver = args.save_every.and_then(|seconds| {
             let saver = ImageSaver::new(outputs, scene, window, seconds);
             saver.inspect_err(warn).ok()
         });
-        Self { target, saver, pace, told: Once::new() }
+        Self { outputs, progress, saver, pace, told: Once::new() }
     }
 }
 
 impl Watch for Show<'_> {
     fn progress(&self, done: u64, all: u64) {
-        self.target.progress.traced(done, all);
+        self.progress.traced(done, all);
         if let Some(pace) = self.pace {
             pace.progress(done, all);
             if let Some(all) = pace.overrun() {
                 let words = format!("one point takes about {} s, more than is left", seconds(all));
-                self.told.call_once(|| self.target.say(&words));
+                self.told.call_once(|| self.outputs.args.say(&words));
             }
         }
     }
@@ -97,7 +82,7 @@ impl Watch for Show<'_> {
 
 impl Drop for Show<'_> {
     fn drop(&mut self) {
-        self.target.progress.finish();
+        self.progress.finish();
     }
 }
 
@@ -146,7 +131,8 @@ impl<'a> ImageSaver<'a> {
     /// If a file cannot be written.
     fn keep(&self, tile: &Tile, pixels: &[[f32; 3]]) -> Result<()> {
         let Some((film, share)) = self.paint(tile, pixels) else { return Ok(()) };
-        let written = self.outputs.write_part(&film, &self.entries, share);
+        let paths = &self.outputs.paths;
+        let written = self.outputs.write_part(paths, &film, &self.entries, share);
         self.writing.store(false, Ordering::Release);
         written
     }

@@ -13,7 +13,7 @@ use tokio_tungstenite::tungstenite::Message;
 use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
 use super::ready::{Ready, prepare};
-use super::refine::{Stage, Tried, fewest};
+use super::refine::{Refinement, Tried, fewest};
 use super::request::{Half, Request};
 use super::showing::{Showing, text};
 use super::steering::Steering;
@@ -26,7 +26,8 @@ use wavecrest_core::kernels::camera::Placement;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::probe;
-use wavecrest_core::render::{Rendered, Watch, render};
+use wavecrest_core::render::units::Order;
+use wavecrest_core::render::{Rendered, Watch};
 use wavecrest_image::look::Look;
 use wavecrest_report::accuracy::pilot::{NO_ERROR, measured};
 use wavecrest_report::statistics::{Rays, Samples, Tests};
@@ -135,7 +136,7 @@ impl<'a> Painter<'a> {
             }
             Request::Side { side } => self.steering.show(&side, self.ready.ends),
             Request::Set { halves } => self.set(halves),
-            Request::Look { look } => return self.look_at(look),
+            Request::Look { look } => return self.show_look(look),
             Request::Probe { .. } | Request::Taken => {}
         }
         if self.steering.view == before {
@@ -149,7 +150,7 @@ impl<'a> Painter<'a> {
     }
 
     /// Shows another look from now on, or light.
-    fn look_at(&mut self, look: Option<Look>) -> Result<bool> {
+    fn show_look(&mut self, look: Option<Look>) -> Result<bool> {
         if look == self.look {
             return Ok(false);
         }
@@ -206,7 +207,7 @@ impl<'a> Painter<'a> {
     fn shoot(
         &mut self,
         index: usize,
-        Stage { samples, words, .. }: &Stage,
+        Refinement { samples, words, .. }: &Refinement,
         size: [u32; 2],
         moves: bool,
     ) -> Result<Option<Rendered>> {
@@ -219,10 +220,7 @@ impl<'a> Painter<'a> {
         }
         let showing = Showing::new(self.exchange, index, size, self.ready.transfer, moves, figures);
         let (scene, options) = (&self.ready.scene, &self.ready.options(self.args, half.tracer));
-        let rendered = match self.look {
-            None => render(scene, options, &showing)?,
-            Some(look) => render_look(look, options, scene, &showing)?,
-        };
+        let rendered = render_look(scene, self.look, options, &showing, Order::Rows)?;
         if !rendered.finished {
             return Ok(None);
         }
@@ -254,11 +252,11 @@ impl<'a> Painter<'a> {
             self.prepare_again()?;
         }
         for index in 0..self.halves.len() {
-            let stages = self.ready.own.stages(&self.halves[index]);
+            let refinements = self.ready.own.refinements(&self.halves[index]);
             // Looks show no noise that samples could take away step by step.
-            let first = if self.look.is_some() { stages.len() - 1 } else { 0 };
-            for number in first.max(self.finished[index])..stages.len() {
-                if !self.advance(index, &stages[number], number + 1 == stages.len())? {
+            let first = if self.look.is_some() { refinements.len() - 1 } else { 0 };
+            for number in first.max(self.finished[index])..refinements.len() {
+                if !self.advance(index, &refinements[number], number + 1 == refinements.len())? {
                     return Ok(false);
                 }
                 self.finished[index] = number + 1;
@@ -267,15 +265,15 @@ impl<'a> Painter<'a> {
         Ok(true)
     }
 
-    /// Renders one stage of a half, and measures its error; false if a request ended it.
-    fn advance(&mut self, index: usize, stage: &Stage, is_last: bool) -> Result<bool> {
+    /// Renders one refinement of a half, and measures its error; false if a request ended it.
+    fn advance(&mut self, index: usize, refinement: &Refinement, is_last: bool) -> Result<bool> {
         let size = self.steering.view.placement().size;
-        let Some(rendered) = self.shoot(index, stage, size, false)? else { return Ok(false) };
+        let Some(rendered) = self.shoot(index, refinement, size, false)? else { return Ok(false) };
         let pixels = rendered.film.pixels().len();
         if rendered.counters.primary_rays <= pixels as u64 {
             self.pace = Some(pixels as f64 / rendered.seconds);
         }
-        if stage.is_measured && self.look.is_none() {
+        if refinement.is_measured && self.look.is_none() {
             let inbox = &self.exchange.inbox;
             let error = measured(&self.ready.scene, &rendered, self.args.seed, inbox)?;
             if inbox.cancelled() {
@@ -284,7 +282,7 @@ impl<'a> Painter<'a> {
             match error {
                 Some(error) => {
                     self.figures[index]["error"] = error.error.into();
-                    self.tried.add(&self.halves[index], &stage.words, rendered.seconds, error);
+                    self.tried.add(&self.halves[index], &refinement.words, rendered.seconds, error);
                     self.send_chart();
                 }
                 None => self.figures[index]["note"] = format!("No error: {NO_ERROR}.").into(),
@@ -303,7 +301,7 @@ impl<'a> Painter<'a> {
     fn probe(&mut self, at: [f64; 2]) -> Result<()> {
         let View { width, height, .. } = self.steering.view;
         let half = self.halves[0];
-        let Some(last) = self.ready.own.stages(&half).pop() else { return Ok(()) };
+        let Some(last) = self.ready.own.refinements(&half).pop() else { return Ok(()) };
         self.ready.place(self.steering.view.placement(), half.precision, &last.samples);
         let pixel = |share: f64, side: u32| ((share * f64::from(side)) as u32).min(side - 1);
         let pixel = [pixel(at[0], width), pixel(at[1], height)];

@@ -1,5 +1,6 @@
 //! The renders that an image at rest goes through, each with more samples than the one before, and what they cost.
 
+use wavecrest_base::words::counted;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_report::accuracy::pilot::MeasuredError;
@@ -10,7 +11,7 @@ use super::request::Half;
 
 /// One render.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Stage {
+pub(super) struct Refinement {
     pub(super) samples: Samples,
     /// The samples in words.
     pub(super) words: String,
@@ -46,8 +47,8 @@ impl OwnSamples {
     }
 
     /// The renders of a half: twice the side of the grid each time, and what it asks for as the last.
-    pub(super) fn stages(&self, half: &Half) -> Vec<Stage> {
-        let along = |points: Points| Stage {
+    pub(super) fn refinements(&self, half: &Half) -> Vec<Refinement> {
+        let along = |points: Points| Refinement {
             samples: self.axis.samples(points),
             words: self.axis.counted(points),
             is_measured: points.side > 1 || !matches!(self.axis, Axis::Pixel(_)),
@@ -55,13 +56,9 @@ impl OwnSamples {
         let (sampling, count, last) = match half.points() {
             Some(points) => (points.sampling, points.count(), along(points)),
             None => {
-                let rays = if self.rays == 1 { "ray" } else { "rays" };
-                let words = format!("the file's {} {rays} per pixel", self.rays);
-                (
-                    self.sampling,
-                    self.count,
-                    Stage { samples: Samples::default(), words, is_measured: true },
-                )
+                let words = format!("the file's {} per pixel", counted(self.rays.into(), "ray"));
+                let last = Refinement { samples: Samples::default(), words, is_measured: true };
+                (self.sampling, self.count, last)
             }
         };
         let sides = (0..).map(|power| 1_u32 << power).take_while(|side| side * side < count);
@@ -70,10 +67,10 @@ impl OwnSamples {
 }
 
 /// One ray through the centre of each pixel, and one point on whatever else has several.
-pub(super) fn fewest() -> Stage {
+pub(super) fn fewest() -> Refinement {
     let one = Some(Points { sampling: Sampling::Jittered, side: 1 });
     let samples = Samples { lights: one, lens: one, pixel: one };
-    Stage { samples, words: "1 ray per pixel".to_owned(), is_measured: false }
+    Refinement { samples, words: "1 ray per pixel".to_owned(), is_measured: false }
 }
 
 /// The errors and times of the settings that were tried with one camera.
