@@ -4,7 +4,6 @@ mod animation;
 mod args;
 mod frames;
 mod goal;
-pub(crate) mod look;
 mod once;
 mod outputs;
 mod renderer;

@@ -2,7 +2,6 @@
 //! not finite.
 
 use super::args::RenderArgs;
-use super::look::render_look;
 use super::outputs::Outputs;
 use super::show::{Show, warn};
 use crate::common::{command_words, tell};
@@ -15,6 +14,7 @@ use wavecrest_core::probe::{self, InvalidSample};
 use wavecrest_core::render::Rendered;
 use wavecrest_core::render::units::Order;
 use wavecrest_image::farm::{Author, Session, Shard};
+use wavecrest_image::look;
 use wavecrest_report::accuracy::pilot::budget::Pace;
 
 /// Renders the image once, as long as its `pace` is good enough; returns it with the share that a checkpoint held (0 to 1).
@@ -31,7 +31,7 @@ pub(super) fn render_once(
     }
     // The pace of a part is that of the whole only if it is a fair sample.
     let order = if pace.is_some() { Order::Spread } else { Order::Rows };
-    Ok((render_look(scene, args.look, &args.options(), &show, order)?, 0.0))
+    Ok((look::render(scene, args.look, &args.options(), &show, order)?, 0.0))
 }
 
 /// The work on the image, or on a shard of it; says what a checkpoint held.

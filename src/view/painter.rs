@@ -20,7 +20,6 @@ use super::steering::Steering;
 use super::take_away::TakeAway;
 use crate::common::to_json;
 use crate::explain;
-use crate::render::look::render_look;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::camera::Placement;
 use wavecrest_core::kernels::precision::Precision;
@@ -28,7 +27,7 @@ use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::probe;
 use wavecrest_core::render::units::Order;
 use wavecrest_core::render::{Rendered, Watch};
-use wavecrest_image::look::Look;
+use wavecrest_image::look::{self, Look};
 use wavecrest_report::accuracy::pilot::{NO_ERROR, measured};
 use wavecrest_report::statistics::{Rays, Samples, Tests};
 use wavecrest_scene::components::View;
@@ -220,7 +219,7 @@ impl<'a> Painter<'a> {
         }
         let showing = Showing::new(self.exchange, index, size, self.ready.transfer, moves, figures);
         let (scene, options) = (&self.ready.scene, &self.ready.options(self.args, half.tracer));
-        let rendered = render_look(scene, self.look, options, &showing, Order::Rows)?;
+        let rendered = look::render(scene, self.look, options, &showing, Order::Rows)?;
         if !rendered.finished {
             return Ok(None);
         }

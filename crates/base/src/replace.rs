@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 use std::fs::{File, Metadata};
-use std::io::{BufWriter, ErrorKind as IoKind, IsTerminal, Read, Seek, Write};
+use std::io::{BufWriter, ErrorKind as IoKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -15,7 +15,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::memory::{Activity, Stage};
 
 /// The writer for a file's content.
-pub type Sink<'a> = BufWriter<&'a File>;
+pub type Sink<'a> = BufWriter<&'a mut (dyn Write + Send)>;
 
 /// The path that stands for standard output.
 pub const STANDARD_OUTPUT: &str = "-";
@@ -32,13 +32,16 @@ pub const STANDARD_OUTPUT: &str = "-";
 pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
     Stage::Write.begin();
     if path == Path::new(STANDARD_OUTPUT) {
-        return print_file(fill);
+        let mut bytes = Vec::new();
+        // Dropped, the writer has written all to memory.
+        fill(&mut BufWriter::new(&mut bytes))?;
+        return print(&bytes);
     }
     let _writing = Activity::new(format!("writing {}", path.display()));
     let target = OutputFile::new(path)?;
-    let temporary = target.temporary()?;
+    let mut temporary = target.temporary()?;
     let _listed = Listed::new(temporary.path());
-    let mut sink = BufWriter::new(temporary.as_file());
+    let mut sink: Sink<'_> = BufWriter::new(temporary.as_file_mut());
     fill(&mut sink).map_err(|error| error.in_file(path))?;
     sink.flush().map_err(|error| write_error(path, error))?;
     drop(sink);
@@ -46,25 +49,21 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>)
     target.persist(temporary)
 }
 
-/// Writes the content from `fill` to standard output.
-fn print_file(fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
-    let failed = |error| write_error(&std::env::temp_dir(), error);
-    let mut file = tempfile::tempfile().map_err(failed)?;
-    let mut sink = BufWriter::new(&file);
-    fill(&mut sink)?;
-    sink.flush().map_err(failed)?;
-    drop(sink);
-    file.rewind().map_err(failed)?;
-    print(file)
+/// As [`replace_file`], with a text.
+///
+/// # Errors
+/// As [`replace_file`].
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    replace_file(path, |sink| sink.write_all(text.as_bytes()).map_err(|e| write_error(path, e)))
 }
 
 /// Writes to standard output. A reader that closes it early, such as `head`, is not an error.
 ///
 /// # Errors
-/// If it cannot be written to, or `from` cannot be read.
-pub fn print(mut from: impl Read) -> Result<()> {
+/// If it cannot be written to.
+pub fn print(bytes: &[u8]) -> Result<()> {
     let mut output = std::io::stdout().lock();
-    match std::io::copy(&mut from, &mut output).and_then(|_| output.flush()) {
+    match output.write_all(bytes).and_then(|()| output.flush()) {
         Err(error) if error.kind() != IoKind::BrokenPipe => {
             Err(Error::io("cannot write the result", "standard output", error))
         }

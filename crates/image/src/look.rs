@@ -13,18 +13,22 @@
 //! pass over the camera rays. The colours of all but clay and wireframe are encoded display values,
 //! to be written with [`Transfer::Linear`](super::write::Transfer::Linear).
 
+use std::time::Instant;
+
 use glam::Vec3;
 
 use crate::camera_rays::{CameraRays, VisibleHit};
 use crate::colormap::{distinct, magma};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::{Hit, Traversal};
+use wavecrest_core::counters::Counters;
 use wavecrest_core::film::Film;
 use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{self, Watch};
+use wavecrest_core::render::units::Order;
+use wavecrest_core::render::{RenderOptions, Rendered, Watch, render_in_order, window};
 use wavecrest_core::tile::Tile;
 
 wavecrest_base::choices! {
@@ -60,21 +64,54 @@ const NOTHING: [f32; 3] = [0.13; 3];
 /// The colour of lines, linear: nearly black.
 const LINE: [f32; 3] = [0.004, 0.004, 0.008];
 
-/// The image of an unshaded look, or its part `crop`; a part of it if `watch` cancels it.
+/// Renders the light of the scene, in this `order`, or the `look` for which it was prepared.
 ///
 /// # Errors
-/// If the crop is not within the image, there is no memory for the film, or an image cannot be
-/// decoded.
-pub fn film(
+/// As [`render_in_order`].
+pub fn render(
+    scene: &PreparedScene,
+    look: Option<Look>,
+    options: &RenderOptions,
+    watch: &dyn Watch,
+    order: Order,
+) -> Result<Rendered> {
+    let tile = window(scene, options.crop)?;
+    let Some(look) = look.filter(|look| !look.is_shaded()) else {
+        let mut rendered = render_in_order(scene, options, watch, order)?;
+        if look == Some(Look::Wireframe) && rendered.finished {
+            draw_edges(&mut rendered.film, scene, tile, options.seed);
+        }
+        return Ok(rendered);
+    };
+    let start = Instant::now();
+    let film = film(scene, look, tile, options.seed, watch)?;
+    let finished = !watch.cancelled();
+    watch.tile(&tile, film.pixels());
+    Ok(Rendered {
+        film,
+        finished,
+        tiles: vec![tile],
+        counters: Counters::default(),
+        columns: 0,
+        pass_seconds: Vec::new(),
+        seconds: start.elapsed().as_secs_f64(),
+        precision: scene.accel.geometry().precision,
+    })
+}
+
+/// The image of an unshaded look in a `window`; a part of it if `watch` cancels it.
+fn film(
     scene: &PreparedScene,
     look: Look,
-    (crop, seed): (Option<Tile>, u64),
+    window: Tile,
+    seed: u64,
     watch: &dyn Watch,
 ) -> Result<Film> {
-    let window = render::window(scene, crop)?;
     let mut film = Film::new(window.width, window.height)?;
     if look == Look::Depth {
-        let rays = CameraRays { scene, window: render::window(scene, None)?, seed, watch };
+        let [width, height] = scene.camera.size();
+        let whole = Tile { x: 0, y: 0, width, height };
+        let rays = CameraRays { scene, window: whole, seed, watch };
         draw_depth(&mut film, &rays, window);
     } else {
         let samples = f64::from(scene.camera.rays_per_pixel());
@@ -131,17 +168,8 @@ fn number(scene: &PreparedScene, primitive: u32) -> u32 {
     }
 }
 
-/// Draws the visible edges over the image of `scene`, or over its part `crop`.
-///
-/// # Errors
-/// If the crop is not within the image.
-pub fn draw_edges(
-    picture: &mut Film,
-    scene: &PreparedScene,
-    crop: Option<Tile>,
-    seed: u64,
-) -> Result<()> {
-    let window = render::window(scene, crop)?;
+/// Draws the visible edges over the image of `scene` in a `window`.
+fn draw_edges(picture: &mut Film, scene: &PreparedScene, window: Tile, seed: u64) {
     let samples = f64::from(scene.camera.rays_per_pixel());
     let pixels = picture.pixels_mut();
     let add = |ray: &Ray, hit: &Hit, _: bool, (sum, _): (&mut f64, &mut Traversal)| {
@@ -152,7 +180,6 @@ pub fn draw_edges(
         let mixed = |i: usize| pixels[at][i] + (LINE[i] - pixels[at][i]) * part;
         pixels[at] = [mixed(0), mixed(1), mixed(2)];
     });
-    Ok(())
 }
 
 /// Half the width of a line in pixels: each side of an edge draws its half.

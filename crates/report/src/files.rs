@@ -1,12 +1,9 @@
 //! Reports as files.
 
-use std::io::Write as _;
-use std::path::Path;
-
 use serde::Serialize;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_base::replace::{replace_file, write_error};
+pub use wavecrest_base::replace::write_text;
 
 /// A value as indented JSON.
 ///
@@ -18,12 +15,4 @@ pub fn to_json(value: &impl Serialize) -> Result<String> {
         error.remedy("use files whose names are in Unicode")
     })?;
     Ok(json + "\n")
-}
-
-/// Writes `text` to `file` atomically.
-///
-/// # Errors
-/// If it cannot be written.
-pub fn write_text(file: &Path, text: &str) -> Result<()> {
-    replace_file(file, |sink| sink.write_all(text.as_bytes()).map_err(|e| write_error(file, e)))
 }

@@ -12,7 +12,7 @@ use glam::DVec3;
 use serde_json::Value;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
+use wavecrest_base::replace::{check_replaceable, replace_file, write_error, write_text};
 
 use crate::components::{Mesh, TextureSource};
 use crate::folder::Folder;
@@ -96,11 +96,7 @@ fn check_source(source: &TextureSource, folder: &Folder) -> Result<()> {
 fn write_json(value: &Value, path: &Path) -> Result<()> {
     let text = serde_json::to_string_pretty(value)
         .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;
-    replace_file(path, |sink| {
-        sink.write_all(text.as_bytes())
-            .and_then(|()| sink.write_all(b"\n"))
-            .map_err(|e| write_error(path, e))
-    })
+    write_text(path, &(text + "\n"))
 }
 
 fn copy_error(source: &TextureSource, file: &Path, error: io::Error) -> Error {

@@ -57,9 +57,9 @@ fn what_is_said_of_an_image_changes_no_pixel() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_is_reported_in_every_format() {
-    let device = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut device = std::fs::File::options().write(true).open("/dev/full").unwrap();
     for format in Format::ALL {
-        let mut sink = std::io::BufWriter::new(&device);
+        let mut sink: Sink<'_> = std::io::BufWriter::new(&mut device);
         let film = Film::new(64, 64).unwrap();
         let extras = Extras::default();
         let text = match encode(&mut sink, &film, format, Transfer::Linear, &extras) {
