@@ -116,8 +116,19 @@ pub(crate) fn run(args: &DiffArgs) -> Result<bool> {
     let (a, b) = (read(&args.a)?, read(&args.b)?);
     let comparison = compare(&a, &b).map_err(|e| e.in_file(&args.b))?;
     let perceived = perceived(args, &a, &b)?;
-    let beyond = pixels_beyond(&a, &b, args.limits.tolerance())?;
-    let report = DiffReport::new(args, comparison, beyond, &perceived);
+    let tolerance = args.limits.tolerance();
+    let beyond = pixels_beyond(&a, &b, tolerance)?;
+    let report = DiffReport {
+        a: &args.a,
+        b: &args.b,
+        flip: perceived.mean,
+        flip_pixels_per_degree: perceived.pixels_per_degree,
+        tolerance,
+        within_tolerance: comparison.largest <= tolerance,
+        pixels_beyond_tolerance: beyond,
+        limits: args.limits.verdicts(&comparison, perceived.mean, beyond),
+        comparison,
+    };
     if let Some(output) = &args.output {
         let gain = args.gain as f32;
         let map = match args.map {
@@ -163,23 +174,7 @@ struct DiffReport<'a> {
     limits: Vec<CheckedLimit>,
 }
 
-impl<'a> DiffReport<'a> {
-    /// The report on two images with `beyond` pixels beyond the tolerance.
-    fn new(args: &'a DiffArgs, comparison: Comparison, beyond: u64, perceived: &Flip) -> Self {
-        let tolerance = args.limits.tolerance();
-        Self {
-            a: &args.a,
-            b: &args.b,
-            flip: perceived.mean,
-            flip_pixels_per_degree: perceived.pixels_per_degree,
-            tolerance,
-            within_tolerance: comparison.largest <= tolerance,
-            pixels_beyond_tolerance: beyond,
-            limits: args.limits.verdicts(&comparison, perceived.mean, beyond),
-            comparison,
-        }
-    }
-
+impl DiffReport<'_> {
     /// Whether the images count as equal.
     fn is_within_limits(&self) -> bool {
         self.limits.iter().all(|verdict| verdict.within)

@@ -1,6 +1,5 @@
 //! `render`: renders a scene to an image.
 
-mod animation;
 mod args;
 mod frames;
 mod goal;
@@ -11,12 +10,11 @@ mod shard;
 mod show;
 mod statistics;
 
-use animation::render_animation;
 pub(crate) use args::RenderArgs;
 use args::refuse;
-use frames::render_frames;
+use frames::{render_animation, render_frames};
 use outputs::{Outputs, animated};
-use renderer::{Renderer, Work, in_pixels};
+use renderer::{Renderer, in_pixels};
 use shard::render_shard;
 
 use super::common::tell_error;
@@ -91,11 +89,10 @@ fn render_scene(args: &RenderArgs) -> Result<()> {
 
 fn render_image(args: &RenderArgs) -> Result<()> {
     let outputs = Outputs::check(args, args.paths()?, false)?;
-    Work::start(args, None, |mut work| {
-        let mut renderer = Renderer::begin(args, &[&outputs], &mut work)?;
+    Renderer::run(args, &[&outputs], None, |mut renderer| {
         let outcome = renderer.render(&outputs)?;
         renderer.write(&outputs, &outcome.rendered)?;
-        renderer.work.finish(&outputs.name(), &in_pixels(renderer.size()));
+        renderer.finish(&outputs.name(), &in_pixels(renderer.size()));
         args.stats.iter().try_for_each(|file| statistics::write(file, &renderer, &outcome))
     })
 }

@@ -1,11 +1,12 @@
-//! Frames of a moving camera, with an image each.
+//! Frames of a moving camera: an image of each, or all in one file.
 
 use std::path::{Path, PathBuf};
 
 use super::args::{Frames, RenderArgs};
 use super::outputs::Outputs;
-use super::renderer::{Renderer, Work, in_pixels};
+use super::renderer::{Renderer, in_pixels};
 use wavecrest_base::error::Result;
+use wavecrest_image::animation::{Animated, Animation};
 use wavecrest_image::farm::Shard;
 
 /// Smallest number of digits of a frame's number in the name of its image, by default.
@@ -28,17 +29,39 @@ pub(super) fn render_frames(args: &RenderArgs, frames: Frames, shard: Option<Sha
         Ok((frame, Outputs::check(args, paths, false)?))
     };
     let all: Vec<(u32, Outputs<'_>)> = share(frames, shard).map(of_frame).collect::<Result<_>>()?;
-    Work::start(args, Some(all.len()), |mut work| {
-        let files: Vec<&Outputs<'_>> = all.iter().map(|(_, outputs)| outputs).collect();
-        work.numbered = true;
-        let mut renderer = Renderer::begin(args, &files, &mut work)?;
+    let files: Vec<&Outputs<'_>> = all.iter().map(|(_, outputs)| outputs).collect();
+    Renderer::run(args, &files, Some(all.len()), |mut renderer| {
         for (frame, outputs) in &all {
             renderer.place(*frame)?;
             let rendered = renderer.render(outputs)?.rendered;
             renderer.write(outputs, &rendered)?;
         }
         let size = in_pixels(renderer.size());
-        work.finish(&args.output()?.display().to_string(), &size);
+        renderer.finish(&args.output()?.display().to_string(), &size);
+        Ok(())
+    })
+}
+
+/// Renders a turntable of this many frames as one file.
+///
+/// # Errors
+/// If a frame cannot be rendered, or the file cannot be written.
+pub(super) fn render_animation(args: &RenderArgs, count: u32, format: Animated) -> Result<()> {
+    let path = args.output()?;
+    let outputs = Outputs::of_one(args, path)?;
+    Renderer::run(args, &[&outputs], Some(count as usize), |mut renderer| {
+        let size = renderer.size();
+        let (transfer, entries) = (outputs.transfer(), &outputs.entries(&renderer.scene)?);
+        let animation = Animation { path, format, size, frames: count, transfer, entries };
+        // Errors of a frame are not about the file.
+        let mut failed = None;
+        let mut film = |frame| {
+            let placed = renderer.place(frame + 1);
+            let outcome = placed.and_then(|()| renderer.render(&outputs));
+            outcome.map(|one| one.rendered.film).inspect_err(|error| failed = Some(error.clone()))
+        };
+        animation.write(&mut film).map_err(|error| failed.unwrap_or(error))?;
+        renderer.finish(&outputs.name(), &in_pixels(size));
         Ok(())
     })
 }

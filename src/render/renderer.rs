@@ -6,7 +6,7 @@ use super::args::RenderArgs;
 use super::goal::{Outcome, render_to_goal};
 use super::once::{find_invalid, interrupted, share};
 use super::outputs::Outputs;
-use crate::common::{grouped, seconds, tell, tell_prepared};
+use crate::common::{grouped, seconds, tell_prepared};
 use crate::interrupt;
 use crate::progress::{Display, Phase, Style};
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -17,83 +17,18 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
 use wavecrest_report::statistics::{Rays, Time, pass_map};
 
-/// The images of one command, and what those that are finished took.
-pub(super) struct Work {
+/// A scene that is ready to be traced, and what the finished images of the command took.
+pub(super) struct Renderer<'a> {
+    pub(super) args: &'a RenderArgs,
     pub(super) progress: Display,
-    /// Whether a line is printed at the end.
-    has_summary: bool,
     start: Instant,
     /// The number of frames, unless there is one image.
     frames: Option<usize>,
     /// Whether each frame has files of its own.
-    pub(super) numbered: bool,
+    numbered: bool,
     finished: usize,
     rays: u64,
     traced_seconds: f64,
-}
-
-impl Work {
-    /// Does the `job` on the requested threads, with its progress shown: one image, or so many frames.
-    pub(super) fn start(
-        args: &RenderArgs,
-        frames: Option<usize>,
-        job: impl FnOnce(Self) -> Result<()> + Send,
-    ) -> Result<()> {
-        let progress = Display::new(args.progress, args.scene_options.quiet);
-        args.number.inspect(|&[number, all]| progress.frame(number, all));
-        let work = Self {
-            progress,
-            // With lines of JSON standard error is for programs.
-            has_summary: !args.scene_options.quiet && args.progress != Style::Json,
-            start: Instant::now(),
-            frames,
-            numbered: false,
-            finished: 0,
-            rays: 0,
-            traced_seconds: 0.0,
-        };
-        args.scene_options.threads.run(|| job(work))
-    }
-
-    /// Adds a render with its seconds.
-    pub(super) fn add(&mut self, counters: &Counters, seconds: f64) {
-        self.finished += 1;
-        self.rays += Rays::from(counters).all();
-        self.traced_seconds += seconds;
-    }
-
-    /// The error that a signal ended the frames when this `share` of one was finished.
-    fn interrupted(&self, frames: usize, share: f64, outputs: &Outputs<'_>) -> Error {
-        let all = (self.finished as f64 + share) / frames as f64;
-        let before = match self.finished {
-            1 if self.numbered => "; the frame before it is written".to_owned(),
-            2.. if self.numbered => format!("; the {} frames before it are written", self.finished),
-            _ => String::new(),
-        };
-        interrupt::error(all).remedy(outputs.untouched() + &before)
-    }
-
-    /// Shows the end, and prints the line after success: `name` is the output, `what` its size.
-    pub(super) fn finish(&self, name: &str, what: &str) {
-        self.progress.begin(Phase::Done);
-        if !self.has_summary {
-            return;
-        }
-        let [traced, all] = [self.traced_seconds, self.start.elapsed().as_secs_f64()].map(seconds);
-        let frames = self.frames.map_or_else(String::new, |frames| format!("{frames} frames, "));
-        // The passes of `--as` count no rays.
-        let rays = (self.rays > 0).then(|| format!("  {} rays", grouped(self.rays)));
-        let memory =
-            memory::peak().map(|bytes| format!("  {} MB", grouped(bytes.div_ceil(1_000_000))));
-        let (rays, memory) = (rays.unwrap_or_default(), memory.unwrap_or_default());
-        tell(&format!("{name}  {frames}{what}{rays}  {traced} s traced, {all} s in all{memory}"));
-    }
-}
-
-/// A scene that is ready to be traced.
-pub(super) struct Renderer<'a, 'w> {
-    pub(super) args: &'a RenderArgs,
-    pub(super) work: &'w mut Work,
     pub(super) scene: PreparedScene,
     /// The preset of its tree.
     pub(super) preset: Preset,
@@ -101,35 +36,69 @@ pub(super) struct Renderer<'a, 'w> {
     pub(super) time: Time,
 }
 
-impl<'a, 'w> Renderer<'a, 'w> {
-    /// Loads the scene, none of whose files may be among the `outputs`, and builds its tree.
+impl<'a> Renderer<'a> {
+    /// Loads the scene, none of whose files may be among the `outputs`, builds its tree, and does the `job`: one image, or so
+    /// many frames. All on the requested threads, with the progress shown.
     ///
     /// # Errors
-    /// If it cannot be loaded or prepared.
-    pub(super) fn begin(
+    /// If it cannot be loaded or prepared, or the job fails.
+    pub(super) fn run(
         args: &'a RenderArgs,
         outputs: &[&Outputs<'_>],
-        work: &'w mut Work,
+        frames: Option<usize>,
+        job: impl FnOnce(Self) -> Result<()> + Send,
+    ) -> Result<()> {
+        let progress = Display::new(args.progress, args.scene_options.quiet);
+        args.number.inspect(|&[number, all]| progress.frame(number, all));
+        args.scene_options.threads.run(|| job(Self::begin(args, outputs, frames, progress)?))
+    }
+
+    fn begin(
+        args: &'a RenderArgs,
+        outputs: &[&Outputs<'_>],
+        frames: Option<usize>,
+        progress: Display,
     ) -> Result<Self> {
         let (options, start) = (&args.scene_options, Instant::now());
         let mut time = Time::default();
-        work.progress.begin(Phase::Load);
+        progress.begin(Phase::Load);
         let files: Vec<_> = outputs.iter().flat_map(|outputs| outputs.files()).collect();
         let loaded = options.load(&args.scene, args.look, &files)?;
         let encoding = loaded.transfer();
         let extracted = options.extract(loaded, args.shown())?;
         let preset = options.preset(&extracted);
         time.load = start.elapsed().as_secs_f64();
-        work.progress.begin(Phase::Build);
+        progress.begin(Phase::Build);
         let mut scene = timed(&mut time.build, || extracted.build(preset));
         tell_prepared(&scene, &args.scene, options.quiet);
         args.search.apply(&mut scene.accel);
         outputs.iter().for_each(|outputs| outputs.made_of(encoding));
-        let mut renderer = Self { args, work, scene, preset, time };
+        let numbered = frames == Some(outputs.len());
+        let (finished, rays, traced_seconds) = (0, 0, 0.0);
+        let mut renderer = Self {
+            args,
+            progress,
+            start,
+            frames,
+            numbered,
+            finished,
+            rays,
+            traced_seconds,
+            scene,
+            preset,
+            time,
+        };
         args.frame.map_or(Ok(()), |frame| renderer.place(frame))?;
         // Until here there was nothing to lose: a signal ended the process.
         interrupt::record();
         Ok(renderer)
+    }
+
+    /// Adds a render with its seconds.
+    pub(super) fn add(&mut self, counters: &Counters, seconds: f64) {
+        self.finished += 1;
+        self.rays += Rays::from(counters).all();
+        self.traced_seconds += seconds;
     }
 
     /// Moves the camera to `frame`.
@@ -157,27 +126,37 @@ impl<'a, 'w> Renderer<'a, 'w> {
     /// # Errors
     /// If a signal ended the render, or a sample is not finite and that is an error.
     pub(super) fn render(&mut self, outputs: &Outputs<'_>) -> Result<Outcome> {
-        let Self { args, work, scene, time, preset, .. } = self;
-        if let Some(frames) = work.frames {
+        if let Some(frames) = self.frames {
             if interrupt::signal().is_some() {
-                return Err(work.interrupted(frames, 0.0, outputs));
+                return Err(self.interrupted(frames, 0.0, outputs));
             }
-            work.progress.frame(work.finished as u64 + 1, frames as u64);
+            self.progress.frame(self.finished as u64 + 1, frames as u64);
         }
-        let Work { progress, start, .. } = &**work;
-        let aimed = || render_to_goal(outputs, progress, scene, preset, *start);
-        let outcome = timed(&mut time.trace, aimed)?;
+        let (progress, scene, preset) = (&self.progress, &mut self.scene, &mut self.preset);
+        let aimed = || render_to_goal(outputs, progress, scene, preset, self.start);
+        let outcome = timed(&mut self.time.trace, aimed)?;
         let Rendered { counters, finished, pass_seconds, .. } = &outcome.rendered;
         if !finished {
-            return Err(match work.frames {
-                None => interrupted(outputs, scene, &outcome.rendered),
-                Some(frames) => work.interrupted(frames, share(&outcome.rendered), outputs),
+            return Err(match self.frames {
+                None => interrupted(outputs, &self.scene, &outcome.rendered),
+                Some(frames) => self.interrupted(frames, share(&outcome.rendered), outputs),
             });
         }
-        let invalid = find_invalid(args, scene, counters)?;
-        work.add(counters, time.trace);
-        time.passes = pass_map(pass_seconds);
+        let invalid = find_invalid(self.args, &self.scene, counters)?;
+        self.add(counters, self.time.trace);
+        self.time.passes = pass_map(pass_seconds);
         Ok(Outcome { invalid, ..outcome })
+    }
+
+    /// The error that a signal ended the frames when this `share` of one was finished.
+    fn interrupted(&self, frames: usize, share: f64, outputs: &Outputs<'_>) -> Error {
+        let all = (self.finished as f64 + share) / frames as f64;
+        let before = match self.finished {
+            1 if self.numbered => "; the frame before it is written".to_owned(),
+            2.. if self.numbered => format!("; the {} frames before it are written", self.finished),
+            _ => String::new(),
+        };
+        interrupt::error(all).remedy(outputs.untouched() + &before)
     }
 
     /// The width and height of an image in pixels.
@@ -190,10 +169,29 @@ impl<'a, 'w> Renderer<'a, 'w> {
     /// # Errors
     /// If a file cannot be written.
     pub(super) fn write(&mut self, outputs: &Outputs<'_>, rendered: &Rendered) -> Result<()> {
-        self.work.progress.begin(Phase::Write);
+        self.progress.begin(Phase::Write);
         timed(&mut self.time.write, || outputs.write(&self.scene, rendered))?;
-        self.time.total = self.work.start.elapsed().as_secs_f64();
+        self.time.total = self.start.elapsed().as_secs_f64();
         Ok(())
+    }
+
+    /// Shows the end, and prints the line after success: `name` is the output, `what` its size.
+    pub(super) fn finish(&self, name: &str, what: &str) {
+        self.progress.begin(Phase::Done);
+        // With lines of JSON standard error is for programs.
+        if self.args.progress == Style::Json {
+            return;
+        }
+        let [traced, all] = [self.traced_seconds, self.start.elapsed().as_secs_f64()].map(seconds);
+        let frames = self.frames.map_or_else(String::new, |frames| format!("{frames} frames, "));
+        // The passes of `--as` count no rays.
+        let rays = (self.rays > 0).then(|| format!("  {} rays", grouped(self.rays)));
+        let memory =
+            memory::peak().map(|bytes| format!("  {} MB", grouped(bytes.div_ceil(1_000_000))));
+        let (rays, memory) = (rays.unwrap_or_default(), memory.unwrap_or_default());
+        self.args.say(&format!(
+            "{name}  {frames}{what}{rays}  {traced} s traced, {all} s in all{memory}"
+        ));
     }
 }
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::args::RenderArgs;
 use super::once::{begin, find_invalid, go_on};
 use super::outputs::Outputs;
-use super::renderer::{Renderer, Work};
+use super::renderer::Renderer;
 use super::show::{Show, warn};
 use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -26,21 +26,20 @@ pub(super) fn render_shard(args: &RenderArgs, shard: Shard) -> Result<()> {
             .remedy("use a name such as out-1.part, and join all parts with wavecrest merge"));
     }
     let outputs = Outputs::check(args, args.paths()?, true)?;
-    Work::start(args, None, |mut work| {
-        let renderer = Renderer::begin(args, &[&outputs], &mut work)?;
-        let Renderer { scene, work, .. } = renderer;
-        let part = begin(&outputs, &scene, Some(shard))?;
+    Renderer::run(args, &[&outputs], None, |mut renderer| {
+        let Renderer { scene, progress, .. } = &renderer;
+        let part = begin(&outputs, scene, Some(shard))?;
         let start = Instant::now();
-        let done =
-            part.render_units(&Show::begin(&outputs, &work.progress, &scene, None), &warn)?;
-        work.add(&done.counters, start.elapsed().as_secs_f64());
+        let done = part.render_units(&Show::begin(&outputs, progress, scene, None), &warn)?;
+        let seconds = start.elapsed().as_secs_f64();
         if part.share() < 1.0 {
             let what = outputs.untouched();
             return Err(interrupt::error(part.share()).remedy(what + &go_on(args)));
         }
-        find_invalid(args, &scene, &done.counters)?;
+        find_invalid(args, scene, &done.counters)?;
         part.write(output)?;
-        work.finish(&outputs.name(), &format!("shard {shard}"));
+        renderer.add(&done.counters, seconds);
+        renderer.finish(&outputs.name(), &format!("shard {shard}"));
         Ok(())
     })
 }

@@ -15,7 +15,7 @@ use wavecrest_report::statistics::{Bvh, KernelUse, Memory, Rays, Samples, Tests,
 ///
 /// # Errors
 /// If it cannot be written.
-pub(super) fn write(file: &Path, renderer: &Renderer<'_, '_>, outcome: &Outcome) -> Result<()> {
+pub(super) fn write(file: &Path, renderer: &Renderer<'_>, outcome: &Outcome) -> Result<()> {
     let Renderer { args, scene, preset, time, .. } = renderer;
     let Outcome { rendered, goal, resumed, invalid } = outcome;
     let counters = &rendered.counters;
