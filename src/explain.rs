@@ -87,20 +87,6 @@ struct PreparedMemory {
     peak: Option<u64>,
 }
 
-impl PreparedMemory {
-    fn of(scene: &PreparedScene, batches: u64) -> Self {
-        let process = memory::process();
-        Self {
-            geometry: scene.accel.geometry().bytes(),
-            appearance: scene.appearance.bytes(),
-            tree: scene.accel.tree_bytes(),
-            batches,
-            held: process.map(|[held, _]| held),
-            peak: process.map(|[_, peak]| peak),
-        }
-    }
-}
-
 /// A group of columns of the wavefront's batch.
 #[derive(Serialize)]
 struct ColumnMemory {
@@ -130,11 +116,20 @@ pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
         tell_prepared(scene, &args.scene, args.scene_options.quiet);
         let options = RenderOptions { batch: args.batch as usize, ..RenderOptions::default() };
         let expected = Expected::of(scene, &options)?;
+        let process = memory::process();
+        let memory = PreparedMemory {
+            geometry: scene.accel.geometry().bytes(),
+            appearance: scene.appearance.bytes(),
+            tree: scene.accel.tree_bytes(),
+            batches: expected.columns,
+            held: process.map(|[held, _]| held),
+            peak: process.map(|[_, peak]| peak),
+        };
         let explanation = Explanation {
             scene,
             bvh,
             chunks: scene.accel.chunks(),
-            memory: PreparedMemory::of(scene, expected.columns),
+            memory,
             expected,
             load,
             build,

@@ -30,7 +30,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ContextValue};
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser};
 
 use common::{Threads, tell, tell_error};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
@@ -42,12 +42,6 @@ use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 #[derive(Debug, Parser)]
 #[command(name = "wavecrest", version, arg_required_else_help = true)]
 #[command(override_usage = "wavecrest scene.json image.png [OPTIONS]\n       wavecrest <COMMAND>")]
-struct Cli {
-    #[command(subcommand)]
-    command: Command,
-}
-
-#[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
     Merge(merge::MergeArgs),
@@ -81,8 +75,8 @@ fn main() -> ExitCode {
             None => error.exit(),
         },
     };
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    match dispatch(&cli.command) {
+    let command = Command::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match dispatch(&command) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => failed(&error),
@@ -111,7 +105,7 @@ fn program() -> clap::Command {
         let takes_values = arg.get_action().takes_values();
         if takes_values { arg.allow_negative_numbers(true) } else { arg }
     };
-    Cli::command()
+    Command::command()
         .mut_subcommands(|command| command.mut_args(negative))
         .after_help(format!("Exit codes:{}", codes.concat()))
 }
@@ -138,7 +132,7 @@ fn other_name(error: &clap::Error, command: Option<&OsString>) -> Option<Error> 
     let is_given = |(_, others): &&(&str, &[&str])| others.contains(&given.as_str());
     let (usage, _) = OTHER_NAMES.iter().find(is_given)?;
     let name = usage.split(' ').next()?.trim_start_matches('-');
-    let commands = Cli::command();
+    let commands = Command::command();
     let mut options = commands.find_subcommand(command?)?.get_arguments();
     options.find(|option| option.get_long() == Some(name))?;
     let message = format!("there is no {given}");
@@ -152,7 +146,7 @@ fn other_name(error: &clap::Error, command: Option<&OsString>) -> Option<Error> 
 fn with_command(mut arguments: Vec<OsString>) -> Result<Vec<OsString>> {
     let Some(first) = arguments.get(1) else { return Ok(arguments) };
     let word = first.to_string_lossy();
-    let commands = Cli::command();
+    let commands = Command::command();
     let is_command = matches!(&*word, "help" | "-h" | "--help" | "-V" | "--version")
         || commands.find_subcommand(&*word).is_some();
     if is_command {

@@ -120,15 +120,18 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>, watch: &dyn Watch) -
     let names = ShapeNumbers::of(scene);
     let axes = |&layer: &Layer| (0..layer.channels().len()).map(move |axis| (layer, axis));
     let places: Vec<(Layer, usize)> = layers.iter().flat_map(axes).collect();
-    let room = |&(layer, _): &(Layer, usize)| room(layer, window.len());
-    let mut channels = places.iter().map(room).collect::<Result<Vec<Values>>>()?;
+    let channel = |&(layer, axis): &(Layer, usize)| {
+        let values = room(layer, window.len())?;
+        Ok(Channel { name: layer.channels()[axis].to_owned(), values })
+    };
+    let mut channels = places.iter().map(channel).collect::<Result<Vec<_>>>()?;
     if layers.iter().any(|layer| !matches!(layer, Layer::Samples | Layer::Invalid)) {
         let samples = scene.camera.rays_per_pixel();
         let rays = CameraRays { scene, window, seed: request.seed, watch };
         rays.sum(|hit| hit.albedo.to_array(), &mut |at, sums| {
             for (&(layer, axis), channel) in places.iter().zip(&mut channels) {
                 let value = value(layer, axis, sums, samples, &names);
-                match channel {
+                match &mut channel.values {
                     Values::Floats(values) => values[at] = value as f32,
                     Values::Integers(values) => values[at] = value as u32,
                 }
@@ -138,7 +141,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>, watch: &dyn Watch) -
     scene.appearance.check()?;
     let mut entries = Vec::new();
     for ((layer, _), channel) in places.iter().zip(&mut channels) {
-        match (layer, channel) {
+        match (layer, &mut channel.values) {
             (Layer::Samples, Values::Integers(all)) => all.fill(scene.camera.rays_per_pixel()),
             (Layer::Invalid, Values::Floats(mask)) if request.invalid > 0 => {
                 mark_invalid(scene, &window, request, watch, mask);
@@ -152,11 +155,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>, watch: &dyn Watch) -
             _ => {}
         }
     }
-    let named = |((layer, axis), values): ((Layer, usize), Values)| Channel {
-        name: layer.channels()[axis].to_owned(),
-        values,
-    };
-    Ok(Layers { channels: places.into_iter().zip(channels).map(named).collect(), entries })
+    Ok(Layers { channels, entries })
 }
 
 /// A channel of zeros.

@@ -33,7 +33,7 @@ impl Checkpoint {
             return Ok(None);
         }
         let mut reader = PartReader::open(&self.file)?;
-        check_same(&self.file, reader.header(), header)?;
+        check_same(&self.file, &reader.header, header)?;
         let store = UnitStore::default();
         while let Some(unit) = reader.next_unit()? {
             if unit.invalid == 0 {

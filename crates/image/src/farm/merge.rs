@@ -46,10 +46,10 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
         return Err(Error::new(ErrorKind::Usage, "there is nothing to merge")
             .remedy("name the parts that render --shard wrote"));
     };
-    let header = PartReader::open(first)?.header().clone();
+    let header = PartReader::open(first)?.header;
     let mut shards = vec![header.shard];
     for path in rest {
-        let other = PartReader::open(path)?.header().clone();
+        let other = PartReader::open(path)?.header;
         check_same(path, &other, first, &header)?;
         shards.push(other.shard);
     }
@@ -75,7 +75,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     };
     for (number, path) in paths.iter().enumerate() {
         let mut reader = PartReader::open(path)?;
-        check_same(path, reader.header(), first, &header)?;
+        check_same(path, &reader.header, first, &header)?;
         while let Some(unit) = reader.next_unit()? {
             mosaic.put(number, unit)?;
         }

@@ -111,7 +111,8 @@ fn unit_bytes(Summed { tile, blocks, invalid, sums }: &StoredUnit) -> Vec<u8> {
 #[derive(Debug)]
 pub struct PartReader {
     path: PathBuf,
-    header: PartHeader,
+    /// The header.
+    pub header: PartHeader,
     file: BufReader<File>,
     /// The hash of the header.
     seed: u64,
@@ -136,11 +137,6 @@ impl PartReader {
         let (header, seed) = header(&mut file, length)?;
         header.identity.check()?;
         Ok(Self { path: path.to_owned(), header, file, seed, read: 0, last: None })
-    }
-
-    /// The header.
-    pub fn header(&self) -> &PartHeader {
-        &self.header
     }
 
     /// The next unit, or `None` after the last.
