@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 use super::common::{print, rounded, tell_prepared};
 use super::input::{SceneOptions, Shown};
 use wavecrest_base::error::Result;
+use wavecrest_base::read::open;
 use wavecrest_base::words::{Size, counted};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::light::Light;
@@ -102,6 +103,5 @@ fn extent(scene: &PreparedScene) -> [String; 3] {
 
 /// The length of a file after a comma, if known.
 fn bytes_of(path: &Path) -> String {
-    let length = path.metadata().ok().filter(|found| found.is_file()).map(|found| found.len());
-    length.map_or_else(String::new, |bytes| format!(", {}", Size(bytes)))
+    open(path).map_or_else(|_| String::new(), |(_, bytes)| format!(", {}", Size(bytes)))
 }

@@ -42,8 +42,7 @@ pub(crate) fn completions(args: &CompletionsArgs, mut program: Command) -> Resul
     let mut script = Vec::new();
     let name = program.get_name().to_owned();
     generate(args.shell, &mut program, name, &mut script);
-    let text = String::from_utf8(script)
-        .map_err(|cause| Error::new(ErrorKind::Usage, "the script is not UTF-8").because(cause))?;
+    let text = String::from_utf8_lossy(&script);
     let commands: Vec<&str> = program.get_subcommands().map(Command::get_name).collect();
     print(&without_command(args.shell, &text).replace("COMMANDS", &commands.join(" ")))
 }

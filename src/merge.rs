@@ -8,7 +8,6 @@ use wavecrest_base::error::Result;
 use wavecrest_base::replace::check_differs;
 use wavecrest_base::words::counted;
 use wavecrest_image::farm::merge::{Merged, merge};
-use wavecrest_image::metadata::Extras;
 use wavecrest_image::write::{Transfer, check_writable, write_with};
 
 /// Merge the parts that `render --shard` wrote into one image.
@@ -47,8 +46,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<()> {
     }
     let Merged { identity, transfer, film, invalid } = merge(&args.parts)?;
     let entries = args.metadata.entries(&identity);
-    let develop = args.develop.into();
-    let extras = Extras { entries: &entries, develop, ..args.metadata.extras() };
+    let extras = args.metadata.extras(&entries, args.develop);
     write_with(&film, &args.output, args.transfer.unwrap_or(transfer), &extras)?;
     if !args.quiet {
         let (name, parts) = (args.output.display(), counted(args.parts.len() as u64, "part"));

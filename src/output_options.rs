@@ -27,7 +27,7 @@ impl Metadata {
     pub(super) fn is_stored_in(self, file: &Path) -> bool {
         match (self, Format::from_path(file)) {
             (Self::None, _) | (_, Ok(Format::Pfm)) => false,
-            (_, Ok(Format::Ppm)) => self.extras().comments,
+            (_, Ok(Format::Ppm)) => self == Self::Full,
             // Animations too.
             (_, Ok(Format::Png | Format::Exr) | Err(_)) => true,
         }
@@ -42,9 +42,10 @@ impl Metadata {
         Provenance { command, ..identity.provenance() }.entries()
     }
 
-    /// How entries are written.
-    pub(super) fn extras(self) -> Extras<'static> {
-        Extras { comments: self == Self::Full, ..Extras::default() }
+    /// What is written with an image that is developed so, with these entries.
+    pub(super) fn extras(self, entries: &[Entry], develop: DevelopOptions) -> Extras<'_> {
+        let (comments, develop) = (self == Self::Full, develop.into());
+        Extras { entries, comments, develop, ..Extras::default() }
     }
 }
 

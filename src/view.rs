@@ -13,7 +13,6 @@ mod showing;
 mod steering;
 mod take_away;
 
-use std::fs;
 use std::io::{self, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
@@ -31,6 +30,7 @@ use exchange::{Exchange, Kind};
 use server::{Site, serve};
 use take_away::TakeAway;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::read;
 use wavecrest_core::render::TracerKind;
 use wavecrest_image::look::Look;
 
@@ -85,11 +85,8 @@ pub(crate) struct ViewArgs {
 pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.input.check(&args.scene)?;
-    let file = fs::metadata(&args.scene);
-    if !file.map_err(|e| Error::io("cannot read the scene", &args.scene, e))?.is_file() {
-        let error = Error::new(ErrorKind::Usage, "the scene is read more than once");
-        return Err(error.in_file(&args.scene).remedy("save it as a file"));
-    }
+    // It is read more than once.
+    read::open(&args.scene).map_err(|e| Error::io("cannot read the scene", &args.scene, e))?;
     if args.scene_options.input.is_transparent() {
         let error = Error::new(ErrorKind::Usage, "a page shows no transparent background");
         return Err(error.remedy("leave out --background, or use a colour"));

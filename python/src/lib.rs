@@ -10,7 +10,6 @@ mod plane;
 mod queries;
 mod rays;
 mod render;
-mod scene;
 mod shapes;
 
 use std::path::PathBuf;
@@ -65,9 +64,7 @@ mod _native {
     #[pymodule_export]
     use super::render::render;
     #[pymodule_export]
-    use super::scene::scene;
-    #[pymodule_export]
-    use super::shapes::{load, mesh};
+    use super::shapes::{load, mesh, scene};
     #[pymodule_export]
     use super::{Error, origin, save, srgb_levels};
 

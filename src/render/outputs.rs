@@ -168,7 +168,7 @@ impl<'a> Outputs<'a> {
     }
 
     fn extras<'e>(&self, entries: &'e [Entry]) -> Extras<'e> {
-        Extras { entries, develop: self.args.develop.into(), ..self.args.metadata.extras() }
+        self.args.metadata.extras(entries, self.args.develop)
     }
 
     fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Layers> {

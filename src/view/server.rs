@@ -144,10 +144,6 @@ struct Bounded {
 }
 
 impl Bounded {
-    fn new(most: usize) -> Self {
-        Self { tasks: Mutex::default(), most }
-    }
-
     fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
         let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
         tasks.retain(|task| !task.is_finished());
@@ -174,8 +170,8 @@ pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::i
     listener.set_nonblocking(true)?;
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        let connections = Bounded::new(MOST_CONNECTIONS);
-        let pages = Arc::new(Bounded::new(MOST_PAGES));
+        let connections = Bounded { tasks: Mutex::default(), most: MOST_CONNECTIONS };
+        let pages = Arc::new(Bounded { tasks: Mutex::default(), most: MOST_PAGES });
         let exchange = Arc::clone(&site.exchange);
         tokio::spawn(async move {
             let mut next = interval(SHOWING);

@@ -66,22 +66,23 @@ impl Animation<'_> {
     /// # Errors
     /// If `next` fails, or the file cannot be written.
     pub fn write(&self, mut next: impl FnMut(u32) -> Result<Film>) -> Result<()> {
-        let mut next = |frame| next(frame).and_then(|film| self.checked(film));
+        let mut next = |frame| next(frame).and_then(|film| self.levels(&film));
         replace_file(self.path, |sink| match self.format {
             Animated::Png => self.png(sink, &mut next),
             Animated::Gif => self.gif(sink, &mut next),
         })
     }
 
-    fn checked(&self, film: Film) -> Result<Film> {
+    /// The levels of a frame.
+    fn levels(&self, film: &Film) -> Result<Vec<u8>> {
         if [film.width(), film.height()] == self.size {
-            return Ok(film);
+            return Ok(levels(film, self.transfer));
         }
         let error = Error::new(ErrorKind::Usage, "every frame must have the same size");
         Err(error.remedy("render all frames at one size"))
     }
 
-    fn png(&self, sink: &mut Sink<'_>, next: &mut dyn FnMut(u32) -> Result<Film>) -> Result<()> {
+    fn png(&self, sink: &mut Sink<'_>, next: &mut dyn FnMut(u32) -> Result<Vec<u8>>) -> Result<()> {
         let failed = |error| encode_error(self.path, png_error(error));
         let color = png::ColorType::Rgb;
         let mut encoder = png_encoder(sink, self.size, color, self.entries).map_err(failed)?;
@@ -89,22 +90,21 @@ impl Animation<'_> {
         encoder.set_frame_delay(MILLISECONDS, 1000).map_err(failed)?;
         let mut writer = encoder.write_header().map_err(failed)?;
         for frame in 0..self.frames {
-            let film = next(frame)?;
-            writer.write_image_data(&levels(&film, self.transfer)).map_err(failed)?;
+            writer.write_image_data(&next(frame)?).map_err(failed)?;
         }
         writer.finish().map_err(failed)
     }
 
-    fn gif(&self, sink: &mut Sink<'_>, next: &mut dyn FnMut(u32) -> Result<Film>) -> Result<()> {
+    fn gif(&self, sink: &mut Sink<'_>, next: &mut dyn FnMut(u32) -> Result<Vec<u8>>) -> Result<()> {
         let failed = |error: ImageError| encode_error(self.path, error);
         let delay = Delay::from_saturating_duration(Duration::from_millis(MILLISECONDS.into()));
+        let [width, height] = self.size;
         let mut encoder = GifEncoder::new_with_speed(sink, GIF_SPEED);
         encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
         for frame in 0..self.frames {
-            let film = next(frame)?;
-            let levels = levels(&film, self.transfer);
-            let image = RgbaImage::from_fn(film.width(), film.height(), |x, y| {
-                let at = 3 * (y as usize * film.width() as usize + x as usize);
+            let levels = next(frame)?;
+            let image = RgbaImage::from_fn(width, height, |x, y| {
+                let at = 3 * (y as usize * width as usize + x as usize);
                 image::Rgba([levels[at], levels[at + 1], levels[at + 2], u8::MAX])
             });
             encoder.encode_frame(Frame::from_parts(image, 0, 0, delay)).map_err(failed)?;
