@@ -45,16 +45,6 @@ pub(crate) struct GenerateArgs {
 }
 
 impl GenerateArgs {
-    fn recipe(&self) -> Recipe {
-        let usual = Recipe::new(self.model, self.triangles);
-        Recipe {
-            seed: self.seed,
-            displacement: self.displacement.unwrap_or(usual.displacement),
-            normals: self.normals,
-            ..usual
-        }
-    }
-
     /// The file to write, which must end in .ply: readers recognise the format by it.
     fn path(&self) -> Result<&Path> {
         let path = output(&self.output, &self.file, "mesh.ply")?;
@@ -72,7 +62,10 @@ impl GenerateArgs {
 /// # Errors
 /// If the recipe is invalid, or the file cannot be written.
 pub(crate) fn run(args: &GenerateArgs) -> Result<()> {
-    let (recipe, path) = (args.recipe(), args.path()?);
+    let GenerateArgs { model, triangles, seed, displacement, normals, .. } = *args;
+    let usual = Recipe::new(model, triangles);
+    let displacement = displacement.unwrap_or(usual.displacement);
+    let (recipe, path) = (Recipe { seed, displacement, normals, ..usual }, args.path()?);
     let start = Instant::now();
     let template = "{wide_bar} {bytes} of {total_bytes}, {eta} left";
     let written = with_bar(args.quiet, template, |progress| write_ply(&recipe, path, progress));

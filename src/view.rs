@@ -128,7 +128,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
         args.scene_options.threads.run(|| painter::paint(args, &site.exchange, &site.take_away));
     if let Err(error) = &painted {
         let message = json!({"kind": "error", "message": error.to_string()});
-        site.exchange.send(Kind::Error, showing::text(&message));
+        site.exchange.send(Kind::Error, message.to_string());
         thread::sleep(FAREWELL);
     }
     painted

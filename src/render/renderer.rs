@@ -74,16 +74,15 @@ impl<'a> Renderer<'a> {
         args.search.apply(&mut scene.accel);
         outputs.iter().for_each(|outputs| outputs.made_of(encoding));
         let numbered = frames == Some(outputs.len());
-        let (finished, rays, traced_seconds) = (0, 0, 0.0);
         let mut renderer = Self {
             args,
             progress,
             start,
             frames,
             numbered,
-            finished,
-            rays,
-            traced_seconds,
+            finished: 0,
+            rays: 0,
+            traced_seconds: 0.0,
             scene,
             preset,
             time,

@@ -126,15 +126,15 @@ impl Exchange {
         if self.prepares.load(Ordering::Relaxed) {
             let ([done, all], stage) = (progress::now(), memory::Stage::now().name());
             let message = json!({"kind": "progress", "stage": stage, "done": done, "all": all});
-            self.send(Kind::Progress, Message::text(message.to_string()));
+            self.send(Kind::Progress, message.to_string());
         }
     }
 
     /// Puts a message on the board.
-    pub(super) fn send(&self, kind: Kind, message: Message) {
+    pub(super) fn send(&self, kind: Kind, message: impl Into<Message>) {
         self.board.send_modify(|board| {
             let (number, last) = &mut board.messages[kind as usize];
-            (*number, *last) = (*number + 1, Some(message));
+            (*number, *last) = (*number + 1, Some(message.into()));
         });
     }
 

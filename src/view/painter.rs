@@ -8,14 +8,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use tokio_tungstenite::tungstenite::Message;
 
 use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
 use super::ready::{Ready, prepare};
 use super::refine::{Refinement, Tried, fewest};
 use super::request::{Half, Request};
-use super::showing::{Showing, text};
+use super::showing::Showing;
 use super::steering::Steering;
 use super::take_away::TakeAway;
 use crate::common::to_json;
@@ -84,7 +83,7 @@ pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) 
     };
     painter.send_plan();
     let first = json!({"kind": "progress", "stage": "tracing the first rays", "done": 0, "all": 0});
-    exchange.send(Kind::Progress, text(&first));
+    exchange.send(Kind::Progress, first.to_string());
     painter.restart();
     painter.run()
 }
@@ -311,7 +310,7 @@ impl<'a> Painter<'a> {
         // As text, in which numbers of single precision are short.
         let (at, record) = (json!(at), to_json(&record)?);
         let message = format!(r#"{{"kind": "probe", "at": {at}, "record": {record}}}"#);
-        self.exchange.send(Kind::Probe, Message::text(message));
+        self.exchange.send(Kind::Probe, message);
         Ok(())
     }
 
@@ -323,13 +322,13 @@ impl<'a> Painter<'a> {
     }
 
     fn send_figures(&self) {
-        self.exchange.send(Kind::Figures, text(&self.all_figures()));
+        self.exchange.send(Kind::Figures, self.all_figures().to_string());
     }
 
     fn send_chart(&self) {
         let Some([wide, narrow]) = self.tried.chart() else { return };
         let message = json!({"kind": "chart", "wide": wide, "narrow": narrow});
-        self.exchange.send(Kind::Chart, text(&message));
+        self.exchange.send(Kind::Chart, message.to_string());
     }
 
     fn send_state(&self) {
@@ -350,7 +349,7 @@ impl<'a> Painter<'a> {
             "names": self.take_away.names(),
         });
         self.exchange.board.send_modify(|board| board.view = Some(view));
-        self.exchange.send(Kind::State, text(&state));
+        self.exchange.send(Kind::State, state.to_string());
     }
 
     /// What is simulated, wherever the camera is.
@@ -358,7 +357,7 @@ impl<'a> Painter<'a> {
         let plan = &self.ready.scene.plan;
         let (passes, bvh) = (explain::passes(plan), self.ready.preset.name());
         let message = json!({"kind": "plan", "effects": plan, "passes": passes, "bvh": bvh});
-        self.exchange.send(Kind::Plan, text(&message));
+        self.exchange.send(Kind::Plan, message.to_string());
     }
 }
 

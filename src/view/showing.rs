@@ -18,11 +18,6 @@ const SHOWING: Duration = Duration::from_millis(100);
 /// How long at least an image is not shown again, as a multiple of what it took.
 const RARELY: u32 = 10;
 
-/// A message of values.
-pub(super) fn text(value: &Value) -> Message {
-    Message::text(value.to_string())
-}
-
 /// Flags of an image: something moves, and all of it is finished.
 const MOVES: u32 = 1;
 const WHOLE: u32 = 2;
@@ -115,7 +110,7 @@ impl Watch for Showing<'_> {
         if let Some(half) = figures["halves"].get_mut(self.half) {
             half["done"] = (*done as f64 / pixels.len() as f64).into();
         }
-        self.exchange.send(Kind::Figures, text(figures));
+        self.exchange.send(Kind::Figures, figures.to_string());
         self.show(pixels, 0);
         // A large image takes long to show, which is to take a small share of the time.
         *next = Instant::now() + SHOWING.max(start.elapsed() * RARELY);
