@@ -26,7 +26,7 @@ use serde_json::json;
 
 use super::common::{SPEED, SearchOptions, choice, command_words, print, tell, whole};
 use super::input::SceneOptions;
-use exchange::{Exchange, Kind};
+use exchange::Kind;
 use server::{Site, serve};
 use take_away::TakeAway;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     let listener = TcpListener::bind(address).map_err(cannot)?;
     let words = &command_words();
     let site = Arc::new(Site {
-        exchange: Arc::new(Exchange::new()),
+        exchange: Arc::default(),
         take_away: TakeAway::new(&args.scene, given(words, &OF_MESHES), given(words, &OF_IMAGE)),
         turn: Arc::default(),
         token: token()?,

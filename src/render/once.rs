@@ -27,7 +27,7 @@ pub(super) fn render_once(
     let (show, args) = (Show::begin(outputs, progress, scene, pace), outputs.args);
     if args.checkpoint.is_some() {
         let part = begin(outputs, scene, None)?;
-        return Ok((part.render(&show, &warn)?, part.resumed()));
+        return Ok((part.render(&show, &warn)?, part.resumed().unwrap_or_default()));
     }
     // The pace of a part is that of the whole only if it is a fair sample.
     let order = if pace.is_some() { Order::Spread } else { Order::Rows };
@@ -47,10 +47,10 @@ pub(super) fn begin<'a>(
     if let Some(file) = &args.checkpoint
         && args.resume
     {
-        let (file, percent) = (file.display(), (part.resumed() * 1000.0).floor() / 10.0);
-        args.say(&match part.has_checkpoint() {
-            true => format!("resuming from {file}: {percent} % is done"),
-            false => format!("no checkpoint {file} yet: starting from the beginning"),
+        let (file, percent) = (file.display(), |share: f64| (share * 1000.0).floor() / 10.0);
+        args.say(&match part.resumed().map(percent) {
+            Some(percent) => format!("resuming from {file}: {percent} % is done"),
+            None => format!("no checkpoint {file} yet: starting from the beginning"),
         });
     }
     Ok(part)

@@ -13,7 +13,7 @@ use crate::progress::{Display, Phase};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::Watch;
+use wavecrest_core::render::{Watch, window};
 use wavecrest_core::tile::Tile;
 use wavecrest_image::metadata::Entry;
 use wavecrest_report::accuracy::pilot::budget::Pace;
@@ -43,12 +43,9 @@ impl<'a> Show<'a> {
         scene: &PreparedScene,
         pace: Option<&'a Pace<'a>>,
     ) -> Self {
-        let args = outputs.args;
         progress.begin(Phase::Trace);
-        let [width, height] = scene.camera.size();
-        let window = args.crop.unwrap_or(Tile { x: 0, y: 0, width, height });
-        let saver = args.save_every.and_then(|seconds| {
-            let saver = ImageSaver::new(outputs, scene, window, seconds);
+        let saver = outputs.args.save_every.and_then(|seconds| {
+            let saver = ImageSaver::new(outputs, scene, seconds);
             saver.inspect_err(warn).ok()
         });
         Self { outputs, progress, saver, pace, told: Once::new() }
@@ -110,13 +107,9 @@ impl<'a> ImageSaver<'a> {
     /// Writes `outputs` at this interval in seconds.
     ///
     /// # Errors
-    /// If there is no memory for a film.
-    fn new(
-        outputs: &'a Outputs<'a>,
-        scene: &PreparedScene,
-        window: Tile,
-        seconds: f64,
-    ) -> Result<Self> {
+    /// If the crop is not within the image, or there is no memory for a film.
+    fn new(outputs: &'a Outputs<'a>, scene: &PreparedScene, seconds: f64) -> Result<Self> {
+        let window = window(scene, outputs.args.crop)?;
         let film = Film::new(window.width, window.height)?;
         let kept = Mutex::new(KeptTiles { film, pixels: 0, saved: Instant::now() });
         // Intervals that are too long mean never.

@@ -91,13 +91,11 @@ impl Kind {
     }
 }
 
-/// The last message of each kind, with the number of messages of its kind so far.
-pub(super) type Messages = [(u64, Option<Message>); Kind::COUNT];
-
 /// What pages show, and what they may take away.
 #[derive(Clone, Default)]
 pub(super) struct Board {
-    pub(super) messages: Messages,
+    /// The last message of each kind, with the number of messages of its kind so far.
+    pub(super) messages: [(u64, Option<Message>); Kind::COUNT],
     /// Where the camera is, once there is a scene.
     pub(super) view: Option<View>,
     /// The last whole image of the first half.
@@ -105,6 +103,7 @@ pub(super) struct Board {
 }
 
 /// Both directions.
+#[derive(Default)]
 pub(super) struct Exchange {
     pub(super) inbox: Inbox,
     pub(super) board: watch::Sender<Board>,
@@ -113,14 +112,6 @@ pub(super) struct Exchange {
 }
 
 impl Exchange {
-    pub(super) fn new() -> Self {
-        Self {
-            inbox: Inbox::default(),
-            board: watch::Sender::new(Board::default()),
-            prepares: AtomicBool::new(true),
-        }
-    }
-
     /// Tells how far the preparation of a scene is, if one is being prepared.
     pub(super) fn send_progress(&self) {
         if self.prepares.load(Ordering::Relaxed) {

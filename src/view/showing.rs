@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn images_have_a_head_and_what_is_not_finished_is_transparent() {
-        let exchange = Exchange::new();
+        let exchange = Exchange::default();
         let showing = Showing::new(&exchange, 1, [2, 2], Transfer::Linear, true, Value::Null);
         let right = Tile { x: 1, y: 1, width: 1, height: 1 };
         let pixels = &mut [[0; 4]; 4];

@@ -25,9 +25,6 @@ const LONGEST: u64 = 1 << 22;
 /// The extension of the scene file that `convert` writes, after which its meshes are named.
 const PARTS: &str = "parts.json";
 
-/// A file to save: its media type, and its bytes.
-pub(super) type Saved = (&'static str, Vec<u8>);
-
 /// The file that is shown, and what becomes of it.
 pub(super) struct TakeAway {
     file: PathBuf,
@@ -70,8 +67,8 @@ impl TakeAway {
             .map(|extension| self.named(extension).to_string_lossy().into_owned())
     }
 
-    /// The file with this name among those that can be saved, once there is a scene.
-    pub(super) fn get(&self, name: &str, exchange: &Exchange) -> Option<Saved> {
+    /// The file with this name among those that can be saved, once there is a scene: its media type, and its bytes.
+    pub(super) fn get(&self, name: &str, exchange: &Exchange) -> Option<(&'static str, Vec<u8>)> {
         let (view, image) = {
             let board = exchange.board.borrow();
             (board.view?, board.image.clone())

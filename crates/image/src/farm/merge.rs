@@ -46,20 +46,16 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
         return Err(Error::new(ErrorKind::Usage, "there is nothing to merge")
             .remedy("name the parts that render --shard wrote"));
     };
-    let header = PartReader::open(first)?.header;
-    let mut shards = vec![header.shard];
+    let PartReader { header, length, .. } = PartReader::open(first)?;
+    let (mut shards, mut held) = (vec![header.shard], length);
     for path in rest {
-        let other = PartReader::open(path)?.header;
+        let PartReader { header: other, length, .. } = PartReader::open(path)?;
         check_same(path, &other, first, &header)?;
         shards.push(other.shard);
+        held += length;
     }
     let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
     // Allocate only an image that the parts can fill, whatever size they claim.
-    let length = |path: &PathBuf| {
-        let data = path.metadata().map_err(|e| Error::io("cannot read the part", path, e));
-        data.map(|data| data.len())
-    };
-    let held: u64 = paths.iter().map(length).sum::<Result<_>>()?;
     let pixels = grid.window().len() as u64;
     if held < pixels * size_of::<[f64; 3]>() as u64 {
         return Err(incomplete(&shards, format!("{held} bytes of parts for {pixels} pixels")));

@@ -113,6 +113,8 @@ pub struct PartReader {
     path: PathBuf,
     /// The header.
     pub header: PartHeader,
+    /// The length of the file, in bytes.
+    pub length: u64,
     file: BufReader<File>,
     /// The hash of the header.
     seed: u64,
@@ -136,7 +138,7 @@ impl PartReader {
         let mut file = BufReader::new(file);
         let (header, seed) = header(&mut file, length)?;
         header.identity.check()?;
-        Ok(Self { path: path.to_owned(), header, file, seed, read: 0, last: None })
+        Ok(Self { path: path.to_owned(), header, length, file, seed, read: 0, last: None })
     }
 
     /// The next unit, or `None` after the last.

@@ -28,9 +28,8 @@ pub struct Session<'a> {
     /// Pixels times blocks: all, and those finished.
     all: u64,
     done: AtomicU64,
-    /// The part of `done` that came from a checkpoint.
-    resumed: u64,
-    has_checkpoint: bool,
+    /// The part of `done` that came from a checkpoint, if there was one.
+    resumed: Option<u64>,
     /// The time of the last save, and how long to wait for the next.
     last: Mutex<(Instant, Duration)>,
 }
@@ -56,7 +55,7 @@ impl<'a> Session<'a> {
         let grid = identity.grid();
         let header = PartHeader { identity, shard, author, units: 0 };
         let held = checkpoint.as_ref().map_or(Ok(None), |checkpoint| checkpoint.load(&header))?;
-        let has_checkpoint = held.is_some();
+        let is_resumed = held.is_some();
         let store = held.unwrap_or_default();
         let tasks = shard.unwrap_or(Shard::WHOLE).tasks(&grid, header.identity.blocks());
         let size = |tasks: &[Task]| -> u64 {
@@ -66,33 +65,15 @@ impl<'a> Session<'a> {
         let all = size(&tasks);
         let todo: Vec<Task> = tasks.into_iter().filter_map(|task| store.rest(task)).collect();
         let resumed = all - size(&todo);
-        let done = AtomicU64::new(resumed);
+        let (done, resumed) = (AtomicU64::new(resumed), is_resumed.then_some(resumed));
         let every = checkpoint.as_ref().map_or(Duration::MAX, |checkpoint| checkpoint.every);
         let last = Mutex::new((Instant::now(), every));
-        Ok(Self {
-            scene,
-            options,
-            header,
-            checkpoint,
-            grid,
-            store,
-            todo,
-            all,
-            done,
-            resumed,
-            has_checkpoint,
-            last,
-        })
+        Ok(Self { scene, options, header, checkpoint, grid, store, todo, all, done, resumed, last })
     }
 
-    /// Whether a checkpoint was found.
-    pub fn has_checkpoint(&self) -> bool {
-        self.has_checkpoint
-    }
-
-    /// The share of the work that the checkpoint held, from 0 to 1.
-    pub fn resumed(&self) -> f64 {
-        self.part_of_all(self.resumed)
+    /// The share of the work that the checkpoint held, from 0 to 1, if one was found.
+    pub fn resumed(&self) -> Option<f64> {
+        self.resumed.map(|resumed| self.part_of_all(resumed))
     }
 
     /// The share of the work that is finished, from 0 to 1.
@@ -159,7 +140,7 @@ impl<'a> Session<'a> {
         let tasks = TaskList { grid: self.grid, blocks, count: self.todo.len(), task: &task };
         let done = run(self.scene, &self.options, &tasks, watch, &keep)?;
         // A checkpoint that held everything stays unchanged.
-        let is_new = !self.todo.is_empty() || !self.has_checkpoint;
+        let is_new = !self.todo.is_empty() || self.resumed.is_none();
         if let Some(checkpoint) = self.checkpoint.as_ref().filter(|_| is_new) {
             self.write(&checkpoint.file).unwrap_or_else(|error| warn(&error));
         }
