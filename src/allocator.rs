@@ -10,11 +10,12 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
 use std::ptr::null_mut;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 use bytesize::ByteSize;
 
+use wavecrest_base::lock;
 use wavecrest_base::memory::{self, Refuser};
 use wavecrest_base::replace::remove_temporary_files;
 
@@ -115,7 +116,7 @@ static SCENE: Mutex<Option<PathBuf>> = Mutex::new(None);
 
 /// Works on a `scene` from now on, with at most so many bytes if there is a `limit`.
 pub(crate) fn begin(scene: &Path, limit: Option<ByteSize>) {
-    *SCENE.lock().unwrap_or_else(PoisonError::into_inner) = Some(scene.to_owned());
+    *lock(&SCENE) = Some(scene.to_owned());
     if let Some(limit) = limit {
         memory::limit(limit.as_u64());
     }

@@ -6,7 +6,7 @@ use std::io::{IsTerminal, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
@@ -14,6 +14,7 @@ use serde_json::Value;
 
 use wavecrest_base::choice::Choice;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_base::lock;
 use wavecrest_base::words;
 use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
@@ -152,7 +153,7 @@ pub(crate) fn warn(warnings: &[Warning]) {
 /// Prints a warning or a note, without the name of its file if the one before had the same.
 fn tell_of(kind: &str, warning: &Warning) {
     static LAST: Mutex<Option<PathBuf>> = Mutex::new(None);
-    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut last = lock(&LAST);
     let file = warning.file().map(Path::to_owned);
     if file.is_some() && *last == file {
         tell(&format!("{kind}: {}", warning.without_file()));

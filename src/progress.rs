@@ -10,7 +10,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -19,7 +19,7 @@ use serde_json::json;
 
 use super::common::{progress_bar, tell};
 use wavecrest_base::words::Size;
-use wavecrest_base::{memory, progress};
+use wavecrest_base::{lock, memory, progress};
 
 /// The template of the bar.
 const BAR: &str = "{msg} {wide_bar} {prefix}";
@@ -79,7 +79,7 @@ impl Display {
         let shown = Arc::clone(&shared);
         let tick = move || {
             while stopped.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                if shown.state().phase != Phase::Done {
+                if lock(&shown.state).phase != Phase::Done {
                     shown.show();
                 }
             }
@@ -97,7 +97,7 @@ impl Display {
 
     /// The next is this frame of so many, from 1.
     pub(crate) fn frame(&self, frame: u64, frames: u64) {
-        self.shared.state().frame = Some([frame, frames]);
+        lock(&self.shared.state).frame = Some([frame, frames]);
     }
 
     /// The number of pixels finished, and of all. Threads may report out of order.
@@ -144,12 +144,8 @@ struct State {
 }
 
 impl Shared {
-    fn state(&self) -> std::sync::MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     fn begin(&self, phase: Phase) {
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         let is_later_frame = state.frame.is_some_and(|[frame, _]| frame > 1);
         if phase == Phase::Trace {
             // A render for a target error starts again. Frames are equally large.
@@ -169,7 +165,7 @@ impl Shared {
 
     fn show(&self) {
         let now = Instant::now();
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         let of_pixels =
             state.phase == Phase::Trace || state.frame.is_some() && state.phase == Phase::Write;
         let counts = self.traced.each_ref().map(|count| count.load(Ordering::Relaxed));
@@ -273,12 +269,12 @@ mod tests {
         display.begin(Phase::Trace);
         display.traced(50, 100);
         display.finish();
-        let state = *display.shared.state();
+        let state = *lock(&display.shared.state);
         assert_eq!(state.pace.map(|(_, done)| done), Some(250));
         display.begin(Phase::Write);
-        assert_eq!(display.shared.state().pace, state.pace);
+        assert_eq!(lock(&display.shared.state).pace, state.pace);
         display.frame(4, 4);
         display.begin(Phase::Trace);
-        assert_eq!(display.shared.state().pace, state.pace);
+        assert_eq!(lock(&display.shared.state).pace, state.pace);
     }
 }

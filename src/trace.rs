@@ -1,7 +1,7 @@
 //! `trace`: traces the rays of a file against a mesh, with times and answers.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::common::{SearchOptions, Threads, choice, print, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::lock;
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::tree::{Tree, Visits};
@@ -202,7 +203,7 @@ fn pass<A: Send>(
 ) -> Counters {
     let count = rays_at_once(rays.len());
     let blocks = Mutex::new(answers.chunks_mut(count).zip(rays.chunks(count)));
-    let next = || blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let next = || lock(&blocks).next();
     let work = traversals.par_iter_mut().with_max_len(1).map(|traversal| {
         (traversal.tests, traversal.kernels) = Default::default();
         while let Some((answers, rays)) = next() {

@@ -3,7 +3,7 @@
 //! Failures here never end a render: they are warnings at most.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
 
 use super::outputs::Outputs;
@@ -11,6 +11,7 @@ use crate::common::{seconds, tell};
 use crate::interrupt;
 use crate::progress::{Display, Phase};
 use wavecrest_base::error::{Error, Result};
+use wavecrest_base::lock;
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Watch, window};
@@ -133,7 +134,7 @@ impl<'a> ImageSaver<'a> {
     /// Adds the tile; returns the image so far and its finished share, if this thread should write
     /// it.
     fn paint(&self, tile: &Tile, pixels: &[[f32; 3]]) -> Option<(Film, f64)> {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = lock(&self.kept);
         let (left, top) = ((tile.x - self.window.x) as usize, (tile.y - self.window.y) as usize);
         let width = tile.width as usize;
         for (row, means) in kept.film.rows_mut().skip(top).zip(pixels.chunks_exact(width)) {

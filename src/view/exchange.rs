@@ -4,7 +4,7 @@
 //! Neither grows: beyond a limit the oldest request is dropped, and a message replaces the one before it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
 use serde_json::json;
@@ -12,7 +12,7 @@ use tokio::sync::watch;
 use tokio_tungstenite::tungstenite::Message;
 
 use super::request::Request;
-use wavecrest_base::{memory, progress};
+use wavecrest_base::{lock, memory, progress};
 use wavecrest_core::film::Film;
 use wavecrest_core::render::Watch;
 use wavecrest_image::write::Transfer;
@@ -31,13 +31,9 @@ pub(super) struct Inbox {
 }
 
 impl Inbox {
-    fn waiting(&self) -> MutexGuard<'_, Vec<Request>> {
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Adds a request.
     pub(super) fn put(&self, request: Request) {
-        let mut waiting = self.waiting();
+        let mut waiting = lock(&self.waiting);
         if waiting.len() == MOST_REQUESTS {
             waiting.remove(0);
         }
@@ -49,7 +45,7 @@ impl Inbox {
 
     /// Takes all requests, once there are any; none if none come in time.
     pub(super) fn take(&self, patience: Duration) -> Vec<Request> {
-        let waiting = self.waiting();
+        let waiting = lock(&self.waiting);
         let (mut waiting, _) = self
             .arrived
             .wait_timeout_while(waiting, patience, |waiting| waiting.is_empty())

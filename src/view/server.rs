@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use base64::Engine as _;
@@ -34,6 +34,7 @@ use super::exchange::{Exchange, Kind};
 use super::page;
 use super::request::Request as Asked;
 use super::take_away::TakeAway;
+use wavecrest_base::lock;
 
 /// The most connections that have not become those of a page, and the most pages.
 const MOST_CONNECTIONS: usize = 128;
@@ -145,7 +146,7 @@ struct Bounded {
 
 impl Bounded {
     fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
-        let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut tasks = lock(&self.tasks);
         tasks.retain(|task| !task.is_finished());
         tasks.push_back(tokio::spawn(task).abort_handle());
         let surplus = tasks.len().saturating_sub(self.most);
@@ -153,7 +154,7 @@ impl Bounded {
     }
 
     fn end_oldest(&self) {
-        let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut tasks = lock(&self.tasks);
         tasks.pop_front().inspect(AbortHandle::abort);
     }
 }

@@ -1,12 +1,13 @@
 //! Shows an image while it is rendered.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use tokio_tungstenite::tungstenite::Message;
 
 use super::exchange::{Exchange, Kind};
+use wavecrest_base::lock;
 use wavecrest_core::film::Film;
 use wavecrest_core::render::Watch;
 use wavecrest_core::tile::Tile;
@@ -69,7 +70,7 @@ impl<'a> Showing<'a> {
     /// Shows the whole image.
     pub(super) fn finish(&self, film: &Film) {
         let whole = Tile { x: 0, y: 0, width: self.size[0], height: self.size[1] };
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = lock(&self.state);
         self.keep(&mut state.pixels, &whole, &levels(film, self.transfer));
         self.show(&state.pixels, WHOLE);
     }
@@ -99,7 +100,7 @@ impl Watch for Showing<'_> {
         }
         // By this thread alone, which is in the middle of the work of its pool.
         let levels = row_to_bytes(means, self.transfer);
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = lock(&self.state);
         let Shown { pixels, figures, done, next } = &mut *state;
         self.keep(pixels, tile, &levels);
         *done += tile.len() as u64;

@@ -5,13 +5,14 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use serde_json::{Value, json};
 
 use super::exchange::Exchange;
 use super::request::Half;
 use wavecrest_base::error::Result;
+use wavecrest_base::lock;
 use wavecrest_base::words;
 use wavecrest_image::look::Look;
 use wavecrest_image::write::png;
@@ -41,17 +42,13 @@ impl TakeAway {
         Self { file: file.to_owned(), options, converted: Mutex::default() }
     }
 
-    fn converted(&self) -> MutexGuard<'_, Option<Value>> {
-        self.converted.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Keeps what `scene` is as a scene file, unless it is one: with the lights for what it is to show.
     ///
     /// # Errors
     /// If it cannot be one.
     pub(super) fn keep(&self, scene: &LoadedScene) -> Result<()> {
         if FileFormat::of(&self.file)? != FileFormat::Scene {
-            *self.converted() = Some(contents(scene, &self.named(PARTS))?);
+            *lock(&self.converted) = Some(contents(scene, &self.named(PARTS))?);
         }
         Ok(())
     }
@@ -75,7 +72,7 @@ impl TakeAway {
         };
         match name {
             "scene.json" => {
-                let mut scene = self.converted().clone().or_else(|| read(&self.file))?;
+                let mut scene = lock(&self.converted).clone().or_else(|| read(&self.file))?;
                 place(&mut scene, &view)?;
                 let text = serde_json::to_string_pretty(&scene).ok()? + "\n";
                 Some(("application/json", text.into_bytes()))
@@ -102,7 +99,7 @@ impl TakeAway {
                 .chain(differs),
         );
         let samples = if half.points().is_some() { " (with the samples of the file)" } else { "" };
-        if self.converted().is_none() {
+        if lock(&self.converted).is_none() {
             let beside = self.file.display();
             return (
                 render,

@@ -9,3 +9,10 @@ pub mod progress;
 pub mod read;
 pub mod replace;
 pub mod words;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What a mutex holds, also if a thread has panicked that held it.
+pub fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

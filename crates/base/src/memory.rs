@@ -7,9 +7,10 @@
 use std::cell::Cell;
 use std::fmt::{self, Display};
 use std::sync::atomic::{AtomicIsize, AtomicU8, AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+use std::sync::{Mutex, Once};
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::lock;
 use crate::words::Size;
 
 crate::choices! {
@@ -52,14 +53,14 @@ pub struct Activity(String);
 impl Activity {
     /// Begins this one.
     pub fn new(what: String) -> Self {
-        activities().push(what.clone());
+        lock(&ACTIVITIES).push(what.clone());
         Self(what)
     }
 }
 
 impl Drop for Activity {
     fn drop(&mut self) {
-        let mut all = activities();
+        let mut all = lock(&ACTIVITIES);
         if let Some(own) = all.iter().position(|what| *what == self.0) {
             all.remove(own);
         }
@@ -68,10 +69,6 @@ impl Drop for Activity {
 
 /// The activities that have begun on any thread.
 static ACTIVITIES: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-fn activities() -> MutexGuard<'static, Vec<String>> {
-    ACTIVITIES.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// What the process does now, by its activities or else by its stage. Takes no memory.
 pub fn activity() -> impl Display {

@@ -7,11 +7,12 @@ use std::collections::BTreeSet;
 use std::fs::{File, Metadata};
 use std::io::{BufWriter, ErrorKind as IoKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 use tempfile::NamedTempFile;
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::lock;
 use crate::memory::{Activity, Stage};
 
 /// The writer for a file's content.
@@ -157,7 +158,7 @@ pub fn write_error(path: &Path, error: std::io::Error) -> Error {
 /// The files that the process has written.
 pub fn written() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     static WRITTEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-    WRITTEN.lock().unwrap_or_else(PoisonError::into_inner)
+    lock(&WRITTEN)
 }
 
 /// The existing temporary files.
@@ -179,19 +180,15 @@ pub struct Listed(PathBuf);
 impl Listed {
     /// Adds this one.
     pub fn new(path: &Path) -> Self {
-        temporary().push(path.to_owned());
+        lock(&TEMPORARY).push(path.to_owned());
         Self(path.to_owned())
     }
 }
 
 impl Drop for Listed {
     fn drop(&mut self) {
-        temporary().retain(|path| *path != self.0);
+        lock(&TEMPORARY).retain(|path| *path != self.0);
     }
-}
-
-fn temporary() -> MutexGuard<'static, Vec<PathBuf>> {
-    TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A file to create or replace; not a folder or device.

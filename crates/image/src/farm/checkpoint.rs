@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use super::part::{self, PartHeader, PartReader, StoredUnit};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::lock;
 use wavecrest_core::render::work::{Summed, Task};
 
 /// The checkpoint of a render.
@@ -91,7 +92,7 @@ pub(super) struct UnitStore {
 impl UnitStore {
     /// Stores a unit; it replaces a shorter one with the same start.
     pub(super) fn put(&self, unit: StoredUnit) {
-        self.units().insert((unit.tile, unit.blocks.start), Arc::new(unit));
+        lock(&self.units).insert((unit.tile, unit.blocks.start), Arc::new(unit));
     }
 
     /// As [`UnitStore::put`], from the render loop.
@@ -109,12 +110,12 @@ impl UnitStore {
 
     /// The current units, in order. They are shared, not copied.
     pub(super) fn all(&self) -> Vec<Arc<StoredUnit>> {
-        self.units().values().cloned().collect()
+        lock(&self.units).values().cloned().collect()
     }
 
     /// The rest of a task: all of it, nothing, or the blocks after those stored.
     pub(super) fn rest(&self, task: Task) -> Option<Task> {
-        let Some(unit) = self.units().get(&(task.tile, task.blocks.start)).cloned() else {
+        let Some(unit) = lock(&self.units).get(&(task.tile, task.blocks.start)).cloned() else {
             return Some(task);
         };
         let blocks = unit.blocks.end..task.blocks.end;
@@ -123,9 +124,5 @@ impl UnitStore {
             blocks,
             sums: Some(unit.sums.to_vec()),
         })
-    }
-
-    fn units(&self) -> MutexGuard<'_, BTreeMap<UnitStart, Arc<StoredUnit>>> {
-        self.units.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
