@@ -4,10 +4,21 @@
 //! or sixteen lanes. Every width computes the same bits: lanes add, multiply, divide and compare
 //! like single values, and no operation is fused.
 
-mod lanes;
-
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+/// Methods that are functions elsewhere.
+macro_rules! as_elsewhere {
+    ($($name:ident($($other:ident)?) -> $output:ty = $function:expr;)+) => {$(
+        #[inline(always)]
+        fn $name(self $(, $other: Self)?) -> $output {
+            $function(self $(, $other)?)
+        }
+    )+};
+}
+
+// Below the macro, which it uses.
+mod lanes;
 
 /// A truth value, or one in each lane.
 pub trait Mask:
@@ -208,24 +219,11 @@ macro_rules! one {
                 *self = value;
             }
 
-            #[inline(always)]
-            fn abs(self) -> Self {
-                <$float>::abs(self)
-            }
-
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                <$float>::sqrt(self)
-            }
-
-            #[inline(always)]
-            fn floor(self) -> Self {
-                <$float>::floor(self)
-            }
-
-            #[inline(always)]
-            fn copysign(self, sign: Self) -> Self {
-                <$float>::copysign(self, sign)
+            as_elsewhere! {
+                abs() -> Self = <$float>::abs;
+                sqrt() -> Self = <$float>::sqrt;
+                floor() -> Self = <$float>::floor;
+                copysign(sign) -> Self = <$float>::copysign;
             }
 
             // One instruction each; the standard library's functions handle NaNs too.

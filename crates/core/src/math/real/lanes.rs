@@ -45,49 +45,16 @@ macro_rules! lanes {
                 self[i] = value;
             }
 
-            #[inline(always)]
-            fn abs(self) -> Self {
-                SimdBase::abs(self)
-            }
-
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                SimdFloat::sqrt(self)
-            }
-
-            #[inline(always)]
-            fn floor(self) -> Self {
-                SimdFloat::floor(self)
-            }
-
-            #[inline(always)]
-            fn copysign(self, sign: Self) -> Self {
-                SimdFloat::copysign(self, sign)
-            }
-
-            #[inline(always)]
-            fn min(self, other: Self) -> Self {
-                <Self as SimdBase<S>>::min(self, other)
-            }
-
-            #[inline(always)]
-            fn max(self, other: Self) -> Self {
-                <Self as SimdBase<S>>::max(self, other)
-            }
-
-            #[inline(always)]
-            fn lt(self, other: Self) -> $mask<S> {
-                self.simd_lt(other)
-            }
-
-            #[inline(always)]
-            fn le(self, other: Self) -> $mask<S> {
-                self.simd_le(other)
-            }
-
-            #[inline(always)]
-            fn eq(self, other: Self) -> $mask<S> {
-                self.simd_eq(other)
+            as_elsewhere! {
+                abs() -> Self = SimdBase::abs;
+                sqrt() -> Self = SimdFloat::sqrt;
+                floor() -> Self = SimdFloat::floor;
+                copysign(sign) -> Self = SimdFloat::copysign;
+                min(other) -> Self = <Self as SimdBase<S>>::min;
+                max(other) -> Self = <Self as SimdBase<S>>::max;
+                lt(other) -> $mask<S> = SimdBase::simd_lt;
+                le(other) -> $mask<S> = SimdBase::simd_le;
+                eq(other) -> $mask<S> = SimdBase::simd_eq;
             }
 
             #[inline(always)]
