@@ -49,7 +49,7 @@ use stream::Flight;
 use tlas::Tlas;
 // The types that every search uses, by their names alone.
 use arena::{Arena, ArenaView, Kind, Node, Patch, Ref, Soup, TreeContents, Unit, Units, child_of};
-use best::{Best, Pairs};
+use best::Best;
 use node::{distance, place, widened};
 use query::{Closest, Occluded, Query};
 use tree::{Chunk, Demand, Root, Searched, Tree};

@@ -29,7 +29,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::math::LANES;
-pub use layout::{NODE_UNITS, Node, PATCH_UNITS, Patch, SOUP_UNITS, Soup, list_units};
+pub use layout::{LeafHead, NODE_UNITS, Node, Patch, Soup, extent, list_units};
 pub use units::Unit;
 pub(crate) use units::Units;
 
@@ -226,17 +226,15 @@ impl<'a> ArenaView<'a> {
     #[inline(always)]
     pub(super) fn number_of(self, leaf: Ref, entry: usize) -> u32 {
         match leaf.kind() {
-            Kind::Patch => self.number(self.patch(leaf).first, entry),
-            Kind::Soup => self.number(self.soup(leaf).first, entry),
+            Kind::Patch | Kind::Soup => self.number(self.head(leaf).first, entry),
             Kind::List | Kind::Node => self.list(leaf)[entry],
         }
     }
 
-    /// The number of triangles of a patch or a soup.
-    #[cfg(test)]
-    pub(super) fn count(self, leaf: Ref) -> usize {
-        (if leaf.kind() == Kind::Soup { self.soup(leaf).count } else { self.patch(leaf).count })
-            as usize
+    /// What a patch or a soup has.
+    #[inline(always)]
+    pub(super) fn head(self, leaf: Ref) -> &'a LeafHead {
+        if leaf.kind() == Kind::Soup { &self.soup(leaf).head } else { &self.patch(leaf).head }
     }
 
     /// The corners of a triangle of a patch or a soup.

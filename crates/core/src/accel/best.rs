@@ -11,7 +11,7 @@ use crate::counters::TestCounts;
 use crate::kernels::Arithmetic;
 use crate::kernels::triangle::{exact, settle};
 use crate::math::exact::Comparable;
-use crate::math::{LANES, Line, Ray, Single, Vector};
+use crate::math::{Line, Ray, Vector};
 
 /// The closest hit of a ray so far, or none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,50 +140,6 @@ impl Best {
         let t = if is_known { t } else { exact_t(ray, &corners) };
         Hit { t, primitive }
     }
-}
-
-/// Up to eight pairs of a ray and a triangle of a leaf, in lanes.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Pairs {
-    /// Origins and directions, an axis a row.
-    lines: [[[f32; LANES]; 3]; 2],
-    /// Corners, an axis a row.
-    corners: [[[f32; LANES]; 3]; 3],
-}
-
-impl Pairs {
-    #[inline(always)]
-    pub(super) fn set(
-        &mut self,
-        lane: usize,
-        ray: &Ray,
-        arena: ArenaView<'_>,
-        (leaf, entry): (Ref, usize),
-    ) {
-        let lane = lane % LANES;
-        let [origins, directions] = &mut self.lines;
-        put(origins, lane, ray.origin);
-        put(directions, lane, ray.direction);
-        for (rows, &corner) in self.corners.iter_mut().zip(&arena.triangle(leaf, entry)) {
-            put(rows, lane, corner);
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn load<F: Single<Row = [f32; LANES]>>(
-        &self,
-        token: F::Token,
-    ) -> (Line<F>, [Vector<F>; 3]) {
-        let ([origin, direction], [a, b, c]) = (&self.lines, &self.corners);
-        let line =
-            Line { origin: Vector::load(token, origin), direction: Vector::load(token, direction) };
-        (line, [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)])
-    }
-}
-
-#[inline(always)]
-fn put([x, y, z]: &mut [[f32; LANES]; 3], lane: usize, v: Vec3) {
-    (x[lane], y[lane], z[lane]) = (v.x, v.y, v.z);
 }
 
 #[cold]

@@ -151,7 +151,10 @@ impl<P: Arithmetic> Search<'_, P> {
                 continue;
             }
             answers.resize(carried.len(), Q::answer(Hit::MISS));
-            self.all_in_prototype::<Q>(prototype, carried, answers, traversal);
+            // A ray counts once, in the search of the scene.
+            let (searched, kernels) = (self.prototype(prototype), traversal.kernels);
+            self.all_in_tree::<Q>(searched, Rays::Rows(carried), answers, traversal);
+            traversal.kernels = kernels;
             for (&(_, place), &answer) in group.iter().zip(answers.iter()) {
                 walks[place as usize].1.offer(geometry, instance, Q::hit(answer));
             }

@@ -3,8 +3,9 @@
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
+use super::arena::LeafHead;
 use super::query::ANY_HIT;
-use super::{ArenaView, Best, Kind, NotedLeaves, Query, Ref, Searched};
+use super::{ArenaView, Best, Kind, NotedLeaves, Patch, Query, Ref, Searched};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::triangle::exact;
@@ -80,23 +81,18 @@ pub(super) fn test<S: Lanes, P: Arithmetic>(
     reach: f32,
     tests: &mut TestCounts,
 ) -> LaneHits {
+    let &LeafHead { count, quads, extent, .. } = arena.head(place);
+    tests.count_triangles(count, quads, 1);
+    let used = first_lanes(count);
+    if P::IS_REFERENCE {
+        return LaneHits { open: used, ..LaneHits::default() };
+    }
     let range = (space, [ray.t_min, ray.t_max, reach]);
     if place.kind() == Kind::Soup {
-        let leaf = arena.soup(place);
-        tests.count_triangles(leaf.count, leaf.quads, 1);
-        if P::IS_REFERENCE {
-            return LaneHits { open: first_lanes(leaf.count), ..LaneHits::default() };
-        }
-        let corners = (&leaf.corners, leaf.extent);
-        return filter::soup::<S, P>(simd, range, corners, first_lanes(leaf.count));
+        return filter::soup::<S, P>(simd, range, (&arena.soup(place).corners, extent), used);
     }
-    let leaf = arena.patch(place);
-    tests.count_triangles(leaf.count, leaf.quads, 1);
-    if P::IS_REFERENCE {
-        return LaneHits { open: first_lanes(leaf.count), ..LaneHits::default() };
-    }
-    let vertices = (&leaf.positions, leaf.corners, leaf.extent);
-    filter::patch::<S, P>(simd, range, vertices, first_lanes(leaf.count))
+    let Patch { positions, corners, .. } = arena.patch(place);
+    filter::patch::<S, P>(simd, range, (positions, *corners, extent), used)
 }
 
 /// A mask of the first `count` lanes.

@@ -1,8 +1,7 @@
 //! The queries: closest hit and any hit.
 
-use super::{Best, Hit};
+use super::Hit;
 use crate::counters::{KernelCounts, Kernels};
-use crate::math::Ray;
 
 /// A query for a ray.
 pub(super) trait Query {
@@ -21,13 +20,6 @@ pub(super) trait Query {
     #[inline(always)]
     fn go_on(answer: Self::Answer) -> Option<Hit> {
         Some(Self::hit(answer)).filter(|hit| !Self::ANY || hit.is_miss())
-    }
-
-    /// As [`Query::go_on`], for `ray` in a tree.
-    #[inline(always)]
-    fn resume(answer: Self::Answer, ray: &Ray) -> Option<Best> {
-        let hit = Self::go_on(answer)?;
-        Some(if hit.is_miss() { Best::none(ray.t_max) } else { Best::of(hit) })
     }
 
     /// The counters for its rays.

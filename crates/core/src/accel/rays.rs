@@ -109,23 +109,15 @@ fn of_columns<S: Lanes>(
     i: usize,
     stride: usize,
 ) -> RayLanes<S> {
-    let [ox, oy, oz] = three_columns(simd, origin, i, stride);
-    let [dx, dy, dz] = three_columns(simd, direction, i, stride);
+    let (o, d) = (origin, direction);
+    let (ox, dx) = (four_rows(simd, o[0], i, stride), four_rows(simd, d[0], i, stride));
+    let (oy, dy) = (four_rows(simd, o[1], i, stride), four_rows(simd, d[1], i, stride));
+    let (oz, dz) = (four_rows(simd, o[2], i, stride), four_rows(simd, d[2], i, stride));
     let t_min = match t_min {
         Some(t_min) => four_rows(simd, t_min, i, stride),
         None => f32x16::splat(simd, 0.0),
     };
     [ox, oy, oz, t_min, dx, dy, dz, f32x16::splat(simd, *t_max)]
-}
-
-#[inline(always)]
-fn three_columns<S: Lanes>(
-    simd: S,
-    [x, y, z]: &[&[f32]; 3],
-    i: usize,
-    stride: usize,
-) -> [f32x16<S>; 3] {
-    [four_rows(simd, x, i, stride), four_rows(simd, y, i, stride), four_rows(simd, z, i, stride)]
 }
 
 /// Four numbers from the `i`th on, and from each of three rows behind.

@@ -205,21 +205,8 @@ impl<P: Arithmetic> Search<'_, P> {
         self.in_tree::<Q>(self.prototype(number), ray, traversal)
     }
 
-    /// As [`Self::in_prototype`], for many rays.
-    pub(super) fn all_in_prototype<Q: Query>(
-        &self,
-        number: usize,
-        rays: &[Ray],
-        answers: &mut [Q::Answer],
-        traversal: &mut Traversal,
-    ) {
-        // A ray counts once, in the search of the scene.
-        let kernels = traversal.kernels;
-        self.all_in_tree::<Q>(self.prototype(number), rays.into(), answers, traversal);
-        traversal.kernels = kernels;
-    }
-
-    fn prototype(&self, number: usize) -> Searched<'_> {
+    /// The prototype with that number.
+    pub(super) fn prototype(&self, number: usize) -> Searched<'_> {
         let Accel { blas, geometry, .. } = self.accel;
         let geometry = &geometry.prototypes[number];
         Searched { tree: &blas[number], geometry, without_t: false }
@@ -246,7 +233,7 @@ impl<P: Arithmetic> Search<'_, P> {
 
     /// As [`Self::in_tree`], for many rays. The level must have batch kernels.
     #[inline(never)]
-    fn all_in_tree<Q: Query>(
+    pub(super) fn all_in_tree<Q: Query>(
         &self,
         searched: Searched<'_>,
         rays: Rays<'_>,

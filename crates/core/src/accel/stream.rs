@@ -37,33 +37,10 @@ pub(super) struct Slot {
     number: u32,
 }
 
-impl Slot {
-    /// An empty slot.
-    fn empty() -> Self {
-        let ray = PreparedRay::new(&Ray::new(Vec3::ZERO, Vec3::X));
-        Self { ray, best: Best::none(0.0), number: 0 }
-    }
-
-    /// Fills in the rest of a ray's initial state: its number in the batch, and the closest hit
-    /// known.
-    #[inline(always)]
-    pub(super) fn begin(&mut self, number: usize, best: Best) {
-        self.best = best;
-        self.number = number as u32;
-    }
-}
-
 /// Stack entries of the children of a node.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 struct ChildEntries([u64; LANES]);
-
-/// The children of the nodes of a round, and a bit for each that is met.
-#[derive(Clone, Copy, Debug)]
-struct NodeRound {
-    children: [ChildEntries; FLIGHT],
-    masks: [u8; FLIGHT],
-}
 
 /// The bottom of a stack, which ends a ray. No list starts at unit 1: the root is at unit 0, and is
 /// either everything or a node of two units.
@@ -85,7 +62,9 @@ impl Flight {
     pub(super) fn new(entries: usize) -> Self {
         // The bottom of the stack, and the places a packet hands over.
         let stride = entries + 1 + MOST_HANDED as usize;
-        Self { slots: vec![Slot::empty(); FLIGHT], stacks: vec![0; stride * FLIGHT], stride }
+        let ray = PreparedRay::new(&Ray::new(Vec3::ZERO, Vec3::X));
+        let empty = Slot { ray, best: Best::none(0.0), number: 0 };
+        Self { slots: vec![empty; FLIGHT], stacks: vec![0; stride * FLIGHT], stride }
     }
 }
 
@@ -117,7 +96,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         next: &mut next,
         precision: PhantomData,
     };
-    let mut met = NodeRound { children: [ChildEntries::default(); FLIGHT], masks: [0; FLIGHT] };
+    let mut met = ([ChildEntries::default(); FLIGHT], [0; FLIGHT]);
     let mut found = [LaneHits::default(); FLIGHT];
     for slot in 0..FLIGHT {
         if !rounds.begin(slot) {
@@ -169,9 +148,14 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
         true
     }
 
-    /// Takes all steps to nodes: first finds the met children, then the next step.
+    /// Takes all steps to nodes: first finds the children, and a bit for each that is met, then the
+    /// next step.
     #[inline(always)]
-    fn visit_nodes<S: Lanes>(&mut self, simd: S, NodeRound { children, masks }: &mut NodeRound) {
+    fn visit_nodes<S: Lanes>(
+        &mut self,
+        simd: S,
+        (children, masks): &mut ([ChildEntries; FLIGHT], [u8; FLIGHT]),
+    ) {
         let nodes = self.next.take(Kind::Node);
         self.tests.nodes += nodes as u64;
         for (i, (children, met)) in
@@ -221,7 +205,7 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
             };
             if is_closer && !Q::ANY {
                 // Wanted when the ray is done.
-                self.arena.prefetch_numbers(self.arena.patch(step.place()).first);
+                self.arena.prefetch_numbers(self.arena.patch(step.place()).head.first);
             }
             self.go_on(step.slot(), is_closer);
         }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use super::{Arena, Kind, Node, Ref, TreeContents, child_of};
+use super::{Arena, Kind, Ref, TreeContents, child_of};
 use crate::geometry::Geometry;
 use crate::kernels::Aabb;
 use crate::math::LANES;
@@ -100,7 +100,12 @@ impl Tree {
         }
         let node = self.arena.view().node(place);
         let lanes = 0..node.count as usize;
-        lanes.map(|lane| (child_of(node, place, lane), child_box(node, lane))).collect()
+        let child = |lane| {
+            let plane = |side: usize| [0, 1, 2].map(|axis: usize| node.planes[axis][side][lane]);
+            let bounds = Aabb { low: plane(0).into(), high: plane(1).into() };
+            (child_of(node, place, lane), bounds)
+        };
+        lanes.map(child).collect()
     }
 
     /// The root of the chunk that the list at `place` stands for, if it is built.
@@ -161,9 +166,4 @@ pub struct Visits {
 fn half_area(bounds: &Aabb) -> f64 {
     let d = (bounds.high - bounds.low).as_dvec3();
     d.x * d.y + d.y * d.z + d.z * d.x
-}
-
-pub(super) fn child_box(node: &Node, lane: usize) -> Aabb {
-    let plane = |side: usize| [0, 1, 2].map(|axis: usize| node.planes[axis][side][lane]);
-    Aabb { low: plane(0).into(), high: plane(1).into() }
 }

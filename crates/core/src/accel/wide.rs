@@ -20,6 +20,7 @@ use super::arena::list_units;
 use super::{Kind, Unit};
 use crate::kernels::Aabb;
 use crate::math::LANES;
+use crate::math::float::min;
 pub(super) use shared::SharedVertices;
 
 /// Costs of visits, in visits of a node.
@@ -256,8 +257,8 @@ fn divide(left: &Division, right: &Division, area: f32, content: &LeafContent) -
         // Half of all inner nodes have no choice.
         let apart = l[0] + r[0];
         let node = area * cost::NODE + apart;
-        let one = lesser(leaf, node);
-        let mut best = Division { cost: [lesser(apart, one); SLOTS], leaf: leaf <= node };
+        let one = min(leaf, node);
+        let mut best = Division { cost: [min(apart, one); SLOTS], leaf: leaf <= node };
         best.cost[0] = one;
         return best;
     }
@@ -265,20 +266,14 @@ fn divide(left: &Division, right: &Division, area: f32, content: &LeafContent) -
     let mut apart = [f32::INFINITY; SLOTS];
     for k in 0..SLOTS {
         for other in 0..SLOTS - k {
-            apart[k + other] = lesser(apart[k + other], l[k] + r[other]);
+            apart[k + other] = min(apart[k + other], l[k] + r[other]);
         }
     }
     let node = area * cost::NODE + apart[SLOTS - 1];
-    let one = lesser(leaf, node);
+    let one = min(leaf, node);
     let mut best = Division { cost: [one; SLOTS], leaf: leaf <= node };
     for slots in 2..=SLOTS {
-        best.cost[slots - 1] = lesser(apart[slots - 2], one);
+        best.cost[slots - 1] = min(apart[slots - 2], one);
     }
     best
-}
-
-/// The minimum, as one instruction: no value is NaN.
-#[inline(always)]
-fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }

@@ -40,16 +40,10 @@ pub struct Patch {
     /// For each corner, the indices of its vertices in the triangles, four bits each; unused
     /// triangles have only the first vertex.
     pub corners: [u32; 3],
-    /// The start of the triangles' numbers in the numbers of the [`Arena`](super::Arena).
-    pub first: u32,
-    /// Number of triangles.
-    pub count: u32,
-    /// Number of vertices.
-    pub vertices: u32,
-    /// Number of triangles that are halves of quads.
-    pub quads: u32,
-    /// All vertices lie within this distance of the first, along each axis.
-    pub extent: f32,
+    /// Unused.
+    pub spare: u32,
+    /// What every leaf of triangles has.
+    pub head: LeafHead,
 }
 
 /// A leaf of triangles without shared vertices.
@@ -58,42 +52,29 @@ pub struct Patch {
 pub struct Soup {
     /// For each corner and axis, the coordinates in the triangles; unused ones are zero.
     pub corners: [[[f32; 8]; 3]; 3],
+    /// What every leaf of triangles has.
+    pub head: LeafHead,
+    /// Unused.
+    pub spare: [u32; 20],
+}
+
+/// What every leaf of triangles has.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct LeafHead {
     /// The start of the triangles' numbers in the numbers of the [`Arena`](super::Arena).
     pub first: u32,
     /// Number of triangles.
     pub count: u32,
     /// Number of triangles that are halves of quads.
     pub quads: u32,
-    /// All corners lie within this distance of the first one of the first triangle, along each axis.
+    /// All vertices lie within this distance of the first, along each axis.
     pub extent: f32,
-    spare: [u32; 20],
-}
-
-impl Patch {
-    /// A patch of `count` triangles over `vertices` vertices, with `quads` halves of quads; the
-    /// numbers start at `first`.
-    pub fn new(
-        positions: [[f32; 8]; 3],
-        corners: [u32; 3],
-        first: u32,
-        [count, vertices, quads]: [u32; 3],
-    ) -> Self {
-        let extent = extent(&[positions], LANES);
-        Self { positions, corners, first, count, vertices, quads, extent }
-    }
-}
-
-impl Soup {
-    /// A soup of `count` triangles, with `quads` halves of quads; the numbers start at `first`.
-    pub fn new(corners: [[[f32; 8]; 3]; 3], first: u32, [count, quads]: [u32; 2]) -> Self {
-        let extent = extent(&corners, count as usize);
-        Self { corners, first, count, quads, extent, spare: [0; 20] }
-    }
 }
 
 /// The largest distance along an axis between the first `count` of all points, rounded up. Each row
 /// is an axis.
-fn extent(points: &[[[f32; LANES]; 3]], count: usize) -> f32 {
+pub fn extent(points: &[[[f32; LANES]; 3]], count: usize) -> f32 {
     let along = |axis: usize| {
         let all = || points.iter().flat_map(|rows| &rows[axis][..count.min(LANES)]).copied();
         all().fold(f32::NEG_INFINITY, max) - all().fold(f32::INFINITY, min)
@@ -103,13 +84,12 @@ fn extent(points: &[[[f32; LANES]; 3]], count: usize) -> f32 {
 
 /// Units of a [`Node`].
 pub const NODE_UNITS: usize = size_of::<Node>() / size_of::<Unit>();
-/// Units of a [`Patch`].
-pub const PATCH_UNITS: usize = size_of::<Patch>() / size_of::<Unit>();
-/// Units of a [`Soup`].
-pub const SOUP_UNITS: usize = size_of::<Soup>() / size_of::<Unit>();
 /// Units of a list of `count` primitives.
 pub const fn list_units(count: usize) -> usize {
     (count + 1).div_ceil(32)
 }
 
-const _: () = assert!(NODE_UNITS == 2 && PATCH_UNITS == 1 && SOUP_UNITS == 3);
+const _: () = {
+    let unit = size_of::<Unit>();
+    assert!(NODE_UNITS == 2 && size_of::<Patch>() == unit && size_of::<Soup>() == 3 * unit);
+};

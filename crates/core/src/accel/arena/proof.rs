@@ -2,11 +2,11 @@
 
 use std::collections::VecDeque;
 
+use bytemuck::Pod;
 use rayon::prelude::*;
 
 use super::{
-    Kind, NODE_UNITS, Node, PATCH_UNITS, Patch, Ref, SOUP_UNITS, Soup, TreeContents, Unit, base,
-    list_units,
+    Kind, LeafHead, NODE_UNITS, Node, Patch, Ref, Soup, TreeContents, Unit, base, list_units,
 };
 use crate::counters::each;
 
@@ -62,31 +62,29 @@ impl Proof<'_> {
         mut hand_on: impl FnMut((Ref, u64)),
     ) -> Option<()> {
         let rest = self.units.get(place.unit()..)?;
-        let within = |first: u32, count: u32| {
+        let within = |&LeafHead { first, count, .. }: &LeafHead| {
             let end = u64::from(first) + u64::from(count);
             (count <= 8 && end <= self.numbers as u64).then_some(u64::from(count))
         };
         match place.kind() {
             Kind::Node => {
-                let node: &Node = bytemuck::from_bytes(bytes(rest, NODE_UNITS)?);
+                let node: &Node = content(rest)?;
                 census.nodes += 1;
                 census.children += u64::from(node.count);
                 census.depth = census.depth.max(depth);
                 children(node, place, |child| hand_on((child, depth + 1)))?;
             }
             Kind::Patch => {
-                let leaf: &Patch = bytemuck::from_bytes(bytes(rest, PATCH_UNITS)?);
-                census.triangles += within(leaf.first, leaf.count)?;
+                census.triangles += within(&content::<Patch>(rest)?.head)?;
                 census.patches += 1;
             }
             Kind::Soup => {
-                let leaf: &Soup = bytemuck::from_bytes(bytes(rest, SOUP_UNITS)?);
-                census.triangles += within(leaf.first, leaf.count)?;
+                census.triangles += within(&content::<Soup>(rest)?.head)?;
                 census.soups += 1;
             }
             Kind::List => {
                 let count = rest.first()?.0[0] as usize;
-                bytes(rest, list_units(count))?;
+                rest.get(..list_units(count))?;
                 // Without a number, it stands for a chunk.
                 census.lists += u64::from(count > 0);
             }
@@ -118,7 +116,8 @@ impl std::ops::Add for TreeContents {
     }
 }
 
-/// The first `units` of `rest`, as bytes.
-fn bytes(rest: &[Unit], units: usize) -> Option<&[u8]> {
-    Some(bytemuck::cast_slice(rest.get(..units)?))
+/// The content of the first units of `rest`.
+fn content<T: Pod>(rest: &[Unit]) -> Option<&T> {
+    let units = rest.get(..size_of::<T>() / size_of::<Unit>())?;
+    Some(bytemuck::from_bytes(bytemuck::cast_slice(units)))
 }

@@ -17,6 +17,12 @@ fn list(numbers: &[u32]) -> Unit {
     unit
 }
 
+fn patch(first: u32, count: u32) -> Unit {
+    let mut patch = Patch::zeroed();
+    (patch.head.first, patch.head.count) = (first, count);
+    bytemuck::cast(patch)
+}
+
 fn prove(units: &[Unit], numbers: usize) -> Option<TreeContents> {
     let numbers = (0..numbers).map(|_| AtomicU32::new(0)).collect();
     let mut all = Units::zeroed(units.len(), units.len());
@@ -26,7 +32,7 @@ fn prove(units: &[Unit], numbers: usize) -> Option<TreeContents> {
 
 #[test]
 fn a_sound_tree_is_proved_and_counted() {
-    let patch: Unit = bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], 2, [3, 5, 0]));
+    let patch = patch(2, 3);
     let [a, b] = node(&[relative(0, 2, Kind::List), relative(0, 3, Kind::Patch)]);
     let census = prove(&[a, b, list(&[7, 8]), patch], 5).expect("it is sound");
     let expected = TreeContents {
@@ -43,9 +49,6 @@ fn a_sound_tree_is_proved_and_counted() {
 
 #[test]
 fn nothing_that_leads_astray_is_proved() {
-    let patch = |first, count| -> Unit {
-        bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], first, [count, 3, 0]))
-    };
     let under = |child: u32, rest: &[Unit]| {
         let [a, b] = node(&[child]);
         prove(&[&[a, b], rest].concat(), 4)

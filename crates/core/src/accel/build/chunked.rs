@@ -5,8 +5,10 @@
 //! The tree is the same for any number of threads, but for the order of the chunks in memory.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicU32;
 
+use bytemuck::Zeroable;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance};
@@ -17,7 +19,7 @@ use super::piece::{from_obvhs, to_obvhs};
 use super::{BuildPlan, ChunkSizes, Piece, ROOM_OF_LISTED};
 use crate::accel::arena::{self, MAX_UNITS, NODE_UNITS};
 use crate::accel::wide::{Converter, Output, Owner, Part};
-use crate::accel::{Arena, Demand, Kind, Root, Tree, Unit, Units};
+use crate::accel::{Arena, Chunk, Demand, Kind, Root, Tree, Unit, Units};
 use crate::geometry::Geometry;
 use crate::kernels::Aabb;
 use crate::math::LANES;
@@ -63,11 +65,18 @@ pub(super) fn on_demand(plan: &BuildPlan, chunks: Chunks) -> Option<Tree> {
     // Where address space is limited, all else must find room too: a probe, unmapped at once.
     drop(Units::mapped(ahead + room, 0)?);
     let place = |(chunk, &(_, bounds)): (usize, &(_, Aabb))| {
-        Some(Demand::part(bounds, units.append(&[Demand::place(chunk)])?))
+        // An empty list with the number of the chunk. No such part shares a leaf or can be divided, so
+        // costs do not matter.
+        let mut list = Unit::zeroed();
+        list.0[1] = chunk as u32;
+        let unit = units.append(&[list])?;
+        Some(Part { bounds, kind: Kind::List, unit, cost: 0.0 })
     };
     let parts: Option<Vec<_>> = chunks.iter().enumerate().map(place).collect();
     let tree = joined(plan, units, entries, ahead, &parts?)?;
-    Some(Tree { demand: Some(Demand::new(plan, chunks)), ..tree })
+    let unbuilt = |(entries, _)| Chunk { entries, built: OnceLock::new() };
+    let chunks = chunks.into_iter().map(unbuilt).collect();
+    Some(Tree { demand: Some(Demand { extents: plan.extents, chunks }), ..tree })
 }
 
 /// The units that the nodes above this many parts need at most: fewer nodes than parts, plus those

@@ -7,16 +7,9 @@
 //! is published. Answers are as if everything had been there: a hit does not depend on the tree.
 
 use std::cell::RefCell;
-use std::ops::Range;
-use std::sync::OnceLock;
-
-use bytemuck::Zeroable;
 
 use super::{BuildPlan, Piece, Preset};
-use crate::accel::wide::Part;
-use crate::accel::{Arena, Chunk, Demand, Kind, Ref, Searched, Unit};
-use crate::geometry::Geometry;
-use crate::kernels::Aabb;
+use crate::accel::{Chunk, Demand, Kind, Ref, Searched};
 
 thread_local! {
     static PIECE: RefCell<Piece> = RefCell::default();
@@ -26,36 +19,27 @@ impl Demand {
     /// Units that an entry takes at most: a leaf of its own, and a node of two children. The three
     /// units of a soup hold at least three triangles.
     pub(super) const MOST_UNITS: usize = 3;
+}
 
-    /// Chunks of these entries, of which none is built.
-    pub(super) fn new(plan: &BuildPlan, chunks: Vec<(Range<usize>, Aabb)>) -> Self {
-        let chunk = |(entries, _)| Chunk { entries, built: OnceLock::new() };
-        let chunks = chunks.into_iter().map(chunk).collect();
-        Self { extents: plan.extents, chunks }
+impl Searched<'_> {
+    /// The root of the chunk that `place` stands for, which is built first if need be; `None` for
+    /// other places.
+    #[inline(always)]
+    pub(crate) fn chunk(&self, place: Ref) -> Option<Ref> {
+        let demand = self.tree.demand.as_ref().filter(|_| place.kind() == Kind::List)?;
+        self.root_of(demand, place)
     }
 
-    /// What stands for a chunk in the tree.
-    pub(super) fn place(chunk: usize) -> Unit {
-        let mut unit = Unit::zeroed();
-        unit.0[1] = chunk as u32;
-        unit
-    }
-
-    /// The part of the tree with such a `unit`. No part shares a leaf or can be divided, so costs do
-    /// not matter.
-    pub(super) fn part(bounds: Aabb, unit: usize) -> Part {
-        Part { bounds, kind: Kind::List, unit, cost: 0.0 }
-    }
-
-    /// The root of a chunk, which is built first if need be; `None` if there is no such chunk.
-    pub(super) fn root(&self, arena: &Arena, geometry: &Geometry, chunk: usize) -> Option<Ref> {
-        let Chunk { entries, built } = self.chunks.get(chunk)?;
+    #[inline(never)]
+    fn root_of(&self, demand: &Demand, place: Ref) -> Option<Ref> {
+        let (arena, geometry) = (&self.tree.arena, self.geometry);
+        let Chunk { entries, built } = demand.chunks.get(arena.view().chunk(place)?)?;
         let build = |piece: &mut Piece| {
-            let plan = BuildPlan::new(geometry, Preset::OnDemand, self.extents);
+            let plan = BuildPlan::new(geometry, Preset::OnDemand, demand.extents);
             let parts = piece.parts(&plan, arena.numbers(), entries.clone(), 1);
             let kind = parts.first().map(|part| part.kind);
             let whole =
-                kind.and_then(|kind| arena.extend(&piece.output.units, kind, Self::MOST_DEPTH));
+                kind.and_then(|kind| arena.extend(&piece.output.units, kind, Demand::MOST_DEPTH));
             whole.or_else(|| {
                 // Too deep: its primitives are tested one by one.
                 let numbers: Vec<_> = piece.numbers(geometry).collect();
@@ -70,20 +54,5 @@ impl Demand {
             None => unreachable!("a list of all is sound, and there is room for the worst case"),
         };
         Some(built.get_or_init(whole).0)
-    }
-}
-
-impl Searched<'_> {
-    /// The root of the chunk that `place` stands for; `None` for other places.
-    #[inline(always)]
-    pub(crate) fn chunk(&self, place: Ref) -> Option<Ref> {
-        let demand = self.tree.demand.as_ref().filter(|_| place.kind() == Kind::List)?;
-        self.root_of(demand, place)
-    }
-
-    #[inline(never)]
-    fn root_of(&self, demand: &Demand, place: Ref) -> Option<Ref> {
-        let arena = &self.tree.arena;
-        demand.root(arena, self.geometry, arena.view().chunk(place)?)
     }
 }

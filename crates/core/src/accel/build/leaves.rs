@@ -84,7 +84,11 @@ impl LeafFinder {
                 let lane = leaves.len() % N;
                 open.leaves[lane] = leaves.len();
                 open.put(lane, &bounds, if corners.is_some() { 1 } else { LANES });
-                let shared = corners.map(SharedVertices::of);
+                let shared = corners.map(|corners| {
+                    let mut shared = SharedVertices::default();
+                    shared.add(0, corners);
+                    shared
+                });
                 leaves.push(CurveLeaf { shared, numbers: [number; LANES], count: 1 });
                 self.leaves.push(bounds);
             }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::accel::tests::{add_quad, add_triangle, brute, check};
-use crate::accel::{Accel, Hit, Kind, TreeContents};
+use crate::accel::{Accel, Hit, Kind, Searched, TreeContents};
 use crate::geometry::{Primitive, Quadric};
 use crate::kernels::{Aabb, quad};
 use crate::math::{Ray, Stream};
@@ -87,16 +87,15 @@ fn for_each_leaf(tree: &Tree, geometry: &Geometry, mut visit: impl FnMut(&Aabb, 
         Kind::Node => {}
         Kind::List => visit(bounds, arena.list(place).to_vec()),
         _ => {
-            let entries = 0..arena.count(place);
+            let entries = 0..arena.head(place).count as usize;
             visit(bounds, entries.map(|entry| arena.number_of(place, entry)).collect());
         }
     });
 }
 
 fn build_all(tree: &Tree, geometry: &Geometry) {
-    if let Some(demand) = &tree.demand {
-        (0..demand.chunks.len()).for_each(|chunk| _ = demand.root(&tree.arena, geometry, chunk));
-    }
+    let searched = Searched { tree, geometry, without_t: false };
+    tree.walk(|place, _| _ = searched.chunk(place));
 }
 
 /// Every primitive is within the boxes of its leaves, and in as many as it has to be: a quad by halves.

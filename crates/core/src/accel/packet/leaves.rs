@@ -2,17 +2,19 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16};
+use glam::Vec3;
 
 use super::frame::GroupTest;
-use super::tile::{OpenPair, OpenPairs};
+use super::tile::OpenPair;
 use super::{GROUPS, RayTile, TILE, TileBatch, WIDTH, load};
-use crate::accel::{Best, Kind, Pairs, Query, Ref, Searched, leaf};
+use crate::accel::arena::LeafHead;
+use crate::accel::{Best, Kind, Query, Ref, Searched, leaf};
 use crate::counters::TestCounts;
 use crate::geometry::Primitive;
 use crate::kernels::Arithmetic;
 use crate::kernels::triangle::exact;
 use crate::kernels::triangle::settle::{self, Settled};
-use crate::math::{LANES, Lanes, Mask, Real, Single, outlined, set_bits};
+use crate::math::{LANES, Lanes, Line, Mask, Real, Vector, outlined, set_bits};
 
 /// Up to this many rays are tested one by one, each with eight triangles.
 const ALONE: u32 = 6;
@@ -70,16 +72,10 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     #[inline(always)]
     fn test_together(&mut self, tile: &mut RayTile, place: Ref, rays: u64) -> bool {
         let arena = self.searched.tree.arena.view();
-        let (count, quads) = if place.kind() == Kind::Patch {
-            let leaf = arena.patch(place);
-            if !Q::ANY {
-                arena.prefetch_numbers(leaf.first);
-            }
-            (leaf.count, leaf.quads)
-        } else {
-            let leaf = arena.soup(place);
-            (leaf.count, leaf.quads)
-        };
+        let &LeafHead { first, count, quads, .. } = arena.head(place);
+        if !Q::ANY {
+            arena.prefetch_numbers(first);
+        }
         self.tests.count_triangles(count, quads, rays.count_ones());
         let mut used = leaf::first_lanes(count);
         let kept = if Q::ANY { self.searched.without_passed(place, used) } else { used };
@@ -127,9 +123,9 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     /// all such pairs once there are enough. Returns whether it did.
     #[inline(always)]
     fn leave_open(&mut self, tile: &mut RayTile, ray: usize, (leaf, entry): (Ref, usize)) -> bool {
-        tile.open.pairs[tile.open.count % LANES] = OpenPair { ray, leaf, entry };
-        tile.open.count += 1;
-        tile.open.count == LANES && {
+        tile.open[tile.open_count % LANES] = OpenPair { ray, leaf, entry };
+        tile.open_count += 1;
+        tile.open_count == LANES && {
             self.settle(tile);
             true
         }
@@ -139,16 +135,50 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     /// arithmetic.
     #[inline(always)]
     pub(super) fn settle(&mut self, tile: &mut RayTile) {
-        let Self { simd, searched, tests, .. } = self;
-        if tile.open.count == 0 {
+        let Self { simd, searched, .. } = *self;
+        if tile.open_count == 0 {
             return;
         }
+        let tests = &mut *self.tests;
         outlined(
-            *simd,
+            simd,
             #[inline(always)]
-            || settle_pairs::<S, Q, P>(*simd, *searched, tile, tests),
+            || {
+                let pairs = tile.open;
+                let pairs = &pairs[..tile.open_count.min(LANES)];
+                tests.settled += pairs.len() as u64;
+                let arena = searched.tree.arena.view();
+                let zeros = Vector::<f32x8<S>>::splat(simd, Vec3::ZERO);
+                let mut line = Line { origin: zeros, direction: zeros };
+                let (mut corners, mut range) = ([zeros; 3], [zeros.x; 2]);
+                for (lane, &OpenPair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
+                    let ray = tile.ray(ray);
+                    line.origin.set_lane(lane, ray.origin);
+                    line.direction.set_lane(lane, ray.direction);
+                    for (corners, corner) in corners.iter_mut().zip(arena.triangle(leaf, entry)) {
+                        corners.set_lane(lane, corner);
+                    }
+                    range[0].set_lane(lane, ray.t_min);
+                    range[1].set_lane(lane, ray.t_max);
+                }
+                let Settled { t, hit, miss } = settle::settle(&line, &corners, range);
+                for (lane, &OpenPair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
+                    let t = if hit >> lane & 1 == 1 {
+                        Some(t.lane(lane))
+                    } else if miss >> lane & 1 == 1 {
+                        None
+                    } else {
+                        tests.exact += 1;
+                        exact::meet(&tile.ray(ray), &arena.triangle(leaf, entry))
+                    };
+                    if let Some(t) = t {
+                        let hit = Best::in_leaf(leaf, entry, [t, t]);
+                        tile.offer::<Q, P>(searched, ray, hit, tests);
+                    }
+                }
+                tile.open_count = 0;
+            },
         );
-        tile.open.count = 0;
     }
 
     /// Tests the primitives of a list with the rays.
@@ -280,43 +310,6 @@ impl RayTile {
     #[inline(always)]
     pub(super) fn tighten<S: Lanes>(&mut self, simd: S) {
         self.beam.reach = super::beam::extent(simd, &self.high, self.rays);
-    }
-}
-
-/// See [`TileBatch::settle`].
-#[inline(always)]
-fn settle_pairs<S: Lanes, Q: Query, P: Arithmetic>(
-    simd: S,
-    searched: Searched<'_>,
-    tile: &mut RayTile,
-    tests: &mut TestCounts,
-) {
-    let OpenPairs { pairs, count } = tile.open;
-    let pairs = &pairs[..count.min(LANES)];
-    tests.settled += pairs.len() as u64;
-    let arena = searched.tree.arena.view();
-    let (mut gathered, mut range) = (Pairs::default(), [[0.0; LANES]; 2]);
-    for (lane, &OpenPair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
-        let ray = tile.ray(ray);
-        gathered.set(lane, &ray, arena, (leaf, entry));
-        (range[0][lane], range[1][lane]) = (ray.t_min, ray.t_max);
-    }
-    let (line, corners) = gathered.load::<f32x8<S>>(simd);
-    let [t_min, t_max] = &range;
-    let range = [<f32x8<S> as Single>::load(simd, t_min), <f32x8<S> as Single>::load(simd, t_max)];
-    let Settled { t, hit, miss } = settle::settle(&line, &corners, range);
-    for (lane, &OpenPair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
-        let t = if hit >> lane & 1 == 1 {
-            Some(t.lane(lane))
-        } else if miss >> lane & 1 == 1 {
-            None
-        } else {
-            tests.exact += 1;
-            exact::meet(&tile.ray(ray), &arena.triangle(leaf, entry))
-        };
-        if let Some(t) = t {
-            tile.offer::<Q, P>(searched, ray, Best::in_leaf(leaf, entry, [t, t]), tests);
-        }
     }
 }
 

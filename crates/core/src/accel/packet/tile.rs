@@ -37,7 +37,9 @@ pub(super) struct RayTile {
     spaces: [[ShearedSpace; WIDTH]; GROUPS],
     pub(super) has_space: u64,
     pub(super) beam: Beam,
-    pub(super) open: OpenPairs,
+    /// Pairs that single precision leaves open, and their number: double precision takes eight at a time.
+    pub(super) open: [OpenPair; LANES],
+    pub(super) open_count: usize,
     /// The number of the first ray of its block.
     pub(super) block: usize,
     /// The rays of the block that it has, a bit each. The others' columns repeat one of them.
@@ -59,13 +61,6 @@ pub(super) struct OpenPair {
     pub(super) ray: usize,
     pub(super) leaf: Ref,
     pub(super) entry: usize,
-}
-
-/// Pairs that single precision leaves open: double precision takes eight at a time.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct OpenPairs {
-    pub(super) pairs: [OpenPair; LANES],
-    pub(super) count: usize,
 }
 
 impl RayTile {

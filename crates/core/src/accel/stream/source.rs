@@ -69,7 +69,8 @@ impl RaySource<'_> {
         while let Some(number) = self.handed.queue.pop() {
             let number = number as usize;
             let Some(ray) = self.prepare::<Q>(number, answers, slot) else { continue };
-            let Some(best) = Q::resume(answers[number], &ray) else { continue };
+            let Some(hit) = Q::go_on(answers[number]) else { continue };
+            let best = if hit.is_miss() { Best::none(ray.t_max) } else { Best::of(hit) };
             let (mut entries, reach) = (0, slot.ray.slab.reach(best.high));
             let mut place = self.handed.last[number].0;
             // From the farthest to the nearest, which comes last.
@@ -79,7 +80,7 @@ impl RaySource<'_> {
                 place = before;
             }
             if entries > 0 {
-                slot.begin(number, best);
+                slot.best = best;
                 return Some(entries);
             }
         }
@@ -88,7 +89,7 @@ impl RaySource<'_> {
             self.next += 1;
             let Some(ray) = self.prepare::<Q>(number, answers, slot) else { continue };
             stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
-            slot.begin(number, Best::none(ray.t_max));
+            slot.best = Best::none(ray.t_max);
             return Some(1);
         }
         None
@@ -107,7 +108,7 @@ impl RaySource<'_> {
             answers[number] = Q::answer(Hit::MISS);
             return None;
         }
-        slot.ray = PreparedRay::new(&ray);
+        (slot.ray, slot.number) = (PreparedRay::new(&ray), number as u32);
         Some(ray)
     }
 }

@@ -4,7 +4,7 @@ use bytemuck::Zeroable;
 use obvhs::bvh2::Bvh2;
 
 use super::{Converter, Output, Owner, SLOTS, SharedVertices};
-use crate::accel::arena::{NODE_UNITS, relative};
+use crate::accel::arena::{LeafHead, NODE_UNITS, extent, relative};
 use crate::accel::{Kind, Node, Patch, Soup, Unit};
 use crate::geometry::Geometry;
 use crate::math::LANES;
@@ -87,32 +87,23 @@ impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
                 self.node_mut(parent).children[lane] = relative(parent, unit, Kind::Node);
             }
             self.converter.children(self.tree, place, &mut children);
-            self.node(unit, &children, &mut waiting);
-        }
-    }
-
-    /// Fills the node at `unit`, writes its leaves behind it, and queues its inner children.
-    fn node(
-        &mut self,
-        unit: usize,
-        children: &[u64],
-        waiting: &mut Vec<(u32, Option<(usize, usize)>)>,
-    ) {
-        let mut node = Node { count: children.len() as u32, ..Node::EMPTY };
-        for (lane, child) in children.iter().map(|&child| child as u32).enumerate() {
-            let bounds = &self.tree.nodes[child as usize];
-            for axis in 0..3 {
-                node.planes[axis][0][lane] = bounds.min[axis];
-                node.planes[axis][1][lane] = bounds.max[axis];
+            let mut node = Node { count: children.len() as u32, ..Node::EMPTY };
+            // Leaves are written behind it, inner children wait.
+            for (lane, child) in children.iter().map(|&child| child as u32).enumerate() {
+                let bounds = &self.tree.nodes[child as usize];
+                for axis in 0..3 {
+                    node.planes[axis][0][lane] = bounds.min[axis];
+                    node.planes[axis][1][lane] = bounds.max[axis];
+                }
+                if self.converter.is_leaf(child) {
+                    let (place, kind) = self.leaf(child);
+                    node.children[lane] = relative(unit, place, kind);
+                } else {
+                    waiting.push((child, Some((unit, lane))));
+                }
             }
-            if self.converter.is_leaf(child) {
-                let (place, kind) = self.leaf(child);
-                node.children[lane] = relative(unit, place, kind);
-            } else {
-                waiting.push((child, Some((unit, lane))));
-            }
+            *self.node_mut(unit) = node;
         }
-        *self.node_mut(unit) = node;
     }
 
     fn node_mut(&mut self, unit: usize) -> &mut Node {
@@ -184,15 +175,8 @@ impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
             let v = self.geometry.positions[vertex as usize];
             positions.iter_mut().zip(v.to_array()).for_each(|(row, x)| row[lane] = x);
         }
-        let first = self.append(numbers);
-        let counts = [numbers.len() as u32, count, self.quads(numbers)];
-        self.output.units.push(bytemuck::cast(Patch::new(positions, corners, first, counts)));
-    }
-
-    /// The number of triangles that are halves of quads.
-    fn quads(&self, numbers: &[u32]) -> u32 {
-        let first = self.geometry.triangles.len() as u32;
-        numbers.iter().map(|&number| u32::from(number >= first)).sum()
+        let head = self.head(numbers, extent(&[positions], LANES));
+        self.output.units.push(bytemuck::cast(Patch { positions, corners, spare: 0, head }));
     }
 
     fn soup(&mut self, numbers: &[u32], triangles: &[[u32; 3]]) {
@@ -205,14 +189,17 @@ impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
                 }
             }
         }
-        let first = self.append(numbers);
-        let leaf = Soup::new(corners, first, [numbers.len() as u32, self.quads(numbers)]);
+        let head = self.head(numbers, extent(&corners, triangles.len()));
+        let leaf = Soup { corners, head, spare: [0; 20] };
         self.output.units.extend(bytemuck::cast::<_, [Unit; 3]>(leaf));
     }
 
-    fn append(&mut self, numbers: &[u32]) -> u32 {
+    /// The head of a leaf of triangles with these numbers, which it appends.
+    fn head(&mut self, numbers: &[u32], extent: f32) -> LeafHead {
         let first = self.output.first_number + self.output.numbers.len() as u32;
         self.output.numbers.extend_from_slice(numbers);
-        first
+        let first_quad = self.geometry.triangles.len() as u32;
+        let quads = numbers.iter().map(|&number| u32::from(number >= first_quad)).sum();
+        LeafHead { first, count: numbers.len() as u32, quads, extent }
     }
 }

@@ -16,12 +16,6 @@ pub(crate) struct SharedVertices {
 }
 
 impl SharedVertices {
-    pub(crate) fn of(triangle: [u32; 3]) -> Self {
-        let mut shared = Self::default();
-        shared.add(0, triangle);
-        shared
-    }
-
     /// Adds the triangle in `lane`. If its vertices do not fit, the content becomes unspecified.
     #[inline(always)]
     pub(crate) fn add(&mut self, lane: usize, triangle: [u32; 3]) -> bool {
