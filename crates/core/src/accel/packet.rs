@@ -26,8 +26,8 @@ use std::marker::PhantomData;
 use super::query::ANY_HIT;
 use super::stream::{self, HandedRays, RaySource};
 use super::{
-    Hit, KernelChoice, Kind, NotedLeaves, Query, Rays, Ref, Root, Searched, Traversal, Tree,
-    distance, place,
+    Hit, KernelChoice, Kind, NotedLeaves, Query, Rays, Ref, Root, Searched, Traversal, distance,
+    place,
 };
 use crate::counters::TestCounts;
 use crate::kernels::Arithmetic;
@@ -88,8 +88,12 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         kernel.stream += rays.count() as u64;
         return;
     };
-    packets.prepare(searched.tree, rays.count());
     let Packets { tiles, handed } = packets;
+    tiles.resize_with(TILES_ON_THEIR_WAY, RayTile::default);
+    for tile in &mut *tiles {
+        tile.visits.resize(searched.tree.stack_entries(), Visit::default());
+    }
+    handed.begin(rays.count());
     let mut batch = TileBatch::<S, Q, P> {
         simd,
         searched,
@@ -117,17 +121,6 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     if !handed.queue.is_empty() || next < rays.count() {
         let source = RaySource { rays, handed, next, root };
         stream::trace::<S, Q, P>(simd, searched, source, answers, flight, (tests, kernel, noted));
-    }
-}
-
-impl Packets {
-    /// Makes room for this many rays in the tree, and clears earlier rays.
-    fn prepare(&mut self, tree: &Tree, rays: usize) {
-        self.tiles.resize_with(TILES_ON_THEIR_WAY, RayTile::default);
-        for tile in &mut self.tiles {
-            tile.visits.resize(tree.stack_entries(), Visit::default());
-        }
-        self.handed.begin(rays);
     }
 }
 
@@ -212,8 +205,13 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                     let (rays, is_fit) = tile.load(self.simd, &self.rays, self.block, self.left);
                     self.left &= !rays;
                     self.coherence.tiles += 1;
+                    let root = entry(f32::NEG_INFINITY, self.root.place.bits());
                     if !is_fit {
-                        self.leave(rays);
+                        // These are left to the other kernel.
+                        self.coherence.unfit += u64::from(rays.count_ones());
+                        for number in numbers(self.block, rays) {
+                            self.handed.add(number, root);
+                        }
                         tile.fill(rays, answers, Q::answer(Hit::MISS));
                         continue;
                     }
@@ -223,7 +221,6 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                     } else if tile.beam.meets(&self.root.bounds) {
                         tile.prepare(self.simd);
                         tile.clear();
-                        let root = entry(f32::NEG_INFINITY, self.root.place.bits());
                         tile.push(true, Visit { entry: root, rays });
                         return true;
                     } else {
@@ -247,16 +244,6 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
         let ahead = self.next + (AHEAD - 1) * TILE;
         self.rays.prefetch(ahead..(ahead + TILE).min(self.rays.count()));
         true
-    }
-
-    /// Leaves rays of the block that are unfit for packets to the other kernel, from the root.
-    #[inline(always)]
-    fn leave(&mut self, rays: u64) {
-        self.coherence.unfit += u64::from(rays.count_ones());
-        let root = entry(f32::NEG_INFINITY, self.root.place.bits());
-        for number in numbers(self.block, rays) {
-            self.handed.add(number, root);
-        }
     }
 
     /// Whether all rays of the tile are done at the leaf that ended the last tile.

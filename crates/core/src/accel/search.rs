@@ -31,14 +31,12 @@ impl<P: Arithmetic> Search<'_, P> {
     /// See [`Accel::closest`].
     #[inline]
     pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
-        traversal.kernels.closest.single += 1;
         self.one::<Closest>(ray, traversal)
     }
 
     /// See [`Accel::occluded`].
     #[inline]
     pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
-        traversal.kernels.shadow.single += 1;
         self.one::<Occluded>(ray, traversal)
     }
 
@@ -119,6 +117,7 @@ impl<P: Arithmetic> Search<'_, P> {
 
     #[inline(always)]
     fn one<Q: Query>(&self, ray: &Ray, traversal: &mut Traversal) -> Q::Answer {
+        Q::counts(&mut traversal.kernels).single += 1;
         if self.accel.kernel == KernelChoice::Reference {
             let reference = self.accel.search::<P::Reference>();
             return reference.one_of_precision::<Q>(ray, traversal);
@@ -167,7 +166,6 @@ impl<P: Arithmetic> Search<'_, P> {
     /// Searches many rays one by one.
     #[inline(never)]
     fn each<Q: Query>(&self, rays: Rays<'_>, answers: &mut [Q::Answer], traversal: &mut Traversal) {
-        Q::counts(&mut traversal.kernels).single += answers.len() as u64;
         for (i, answer) in answers.iter_mut().enumerate() {
             // Rows are read in place: values just copied in pieces are slow to reload.
             let copy;

@@ -4,11 +4,13 @@
 //! along an axis. There are few instances compared with their triangles, so the tree is simple, and
 //! its depth is bounded for any scene.
 
-use super::Hit;
+use glam::Vec3;
+
+use super::{Hit, distance};
 use crate::geometry::instance::Instance;
 use crate::kernels::{Aabb, SlabRay};
-use crate::math::Ray;
 use crate::math::float::{max, min};
+use crate::math::{Ray, entry};
 
 /// Below this depth, halves have equally many instances: a stack needs this and 32 entries.
 const DEEPEST: usize = 64;
@@ -23,9 +25,9 @@ struct InstanceNode {
 }
 
 impl InstanceNode {
-    /// Twice the centre of its box along `axis`.
-    fn middle(&self, axis: usize) -> f32 {
-        self.bounds.low[axis] + self.bounds.high[axis]
+    /// Twice the centre of its box.
+    fn middle(&self) -> Vec3 {
+        self.bounds.low + self.bounds.high
     }
 }
 
@@ -37,14 +39,6 @@ pub(super) struct Tlas {
     /// The factor, relative to other boxes, by which the origins of rays are moved.
     widening: f32,
     depth: usize,
-}
-
-/// An instance that a ray may meet, or a node above one.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct TlasEntry {
-    /// The earliest t at which the ray enters its box.
-    near: f32,
-    node: u32,
 }
 
 impl Tlas {
@@ -60,7 +54,10 @@ impl Tlas {
         }
         let widening = instances.iter().map(Instance::widening).fold(1.0, f32::max);
         let mut tlas = Self { nodes: Vec::with_capacity(2 * leaves.len()), widening, depth: 0 };
-        tlas.build(&mut leaves);
+        tlas.nodes.extend(leaves.first());
+        if !leaves.is_empty() {
+            tlas.nodes[0] = tlas.over(&mut leaves, 0);
+        }
         tlas
     }
 
@@ -90,32 +87,25 @@ impl Tlas {
         self.depth + 2
     }
 
-    fn build(&mut self, leaves: &mut [InstanceNode]) {
-        if leaves.is_empty() {
-            return;
+    /// The node over some leaves, at this depth. All below it are placed.
+    fn over(&mut self, leaves: &mut [InstanceNode], depth: usize) -> InstanceNode {
+        self.depth = self.depth.max(depth);
+        if let [leaf] = leaves {
+            return *leaf;
         }
-        let empty = InstanceNode { bounds: Aabb::EMPTY, index: 0, is_leaf: true };
-        self.nodes.push(empty);
-        let mut waiting = vec![(0, 0..leaves.len(), 0)];
-        while let Some((place, range, depth)) = waiting.pop() {
-            self.depth = self.depth.max(depth);
-            let here = &mut leaves[range.clone()];
-            if let [leaf] = here {
-                self.nodes[place] = *leaf;
-                continue;
-            }
-            let bounds = here.iter().fold(Aabb::EMPTY, |all, leaf| all.union(leaf.bounds));
-            let middle = range.start + divide(here, depth);
-            let children = self.nodes.len();
-            self.nodes[place] = InstanceNode { bounds, index: children as u32, is_leaf: false };
-            self.nodes.extend([empty; 2]);
-            waiting.push((children, range.start..middle, depth + 1));
-            waiting.push((children + 1, middle..range.end, depth + 1));
-        }
+        let bounds = leaves.iter().fold(Aabb::EMPTY, |all, leaf| all.union(leaf.bounds));
+        let middle = divide(leaves, depth);
+        let (left, right) = leaves.split_at_mut(middle);
+        let first = self.nodes.len();
+        self.nodes.extend([left[0], right[0]]);
+        self.nodes[first] = self.over(left, depth + 1);
+        self.nodes[first + 1] = self.over(right, depth + 1);
+        InstanceNode { bounds, index: first as u32, is_leaf: false }
     }
 }
 
-/// A ray that walks from instance to instance, and its closest hit so far. The stack is elsewhere.
+/// A ray that walks from instance to instance, and its closest hit so far. The stack is elsewhere: an entry
+/// holds a node and the earliest t at which the ray enters its box.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walk {
     pub(super) ray: Ray,
@@ -127,7 +117,7 @@ pub(super) struct Walk {
 impl Walk {
     /// The ray before its first instance.
     #[inline]
-    pub(super) fn new(tlas: &Tlas, ray: &Ray, best: Hit, stack: &mut [TlasEntry]) -> Self {
+    pub(super) fn new(tlas: &Tlas, ray: &Ray, best: Hit, stack: &mut [u64]) -> Self {
         let slab = SlabRay::widened(ray, tlas.widening);
         let mut walk = Self { ray: *ray, best, slab, height: 0 };
         if !tlas.nodes.is_empty() {
@@ -138,14 +128,14 @@ impl Walk {
 
     /// The next instance that the ray may meet before its closest hit, usually nearer ones first.
     #[inline]
-    pub(super) fn next(&mut self, tlas: &Tlas, stack: &mut [TlasEntry]) -> Option<u32> {
+    pub(super) fn next(&mut self, tlas: &Tlas, stack: &mut [u64]) -> Option<u32> {
         while self.height > 0 {
             self.height -= 1;
-            let TlasEntry { near, node } = stack[self.height as usize];
-            if near > self.slab.reach(self.reach()) {
+            let next = stack[self.height as usize];
+            if distance(next) > self.slab.reach(self.reach()) {
                 continue;
             }
-            let node = tlas.nodes[node as usize];
+            let node = tlas.nodes[next as u32 as usize];
             if node.is_leaf {
                 return Some(node.index);
             }
@@ -153,7 +143,7 @@ impl Walk {
             self.push(tlas, node.index, stack);
             self.push(tlas, node.index + 1, stack);
             let has_both = self.height as usize == before + 2;
-            if has_both && stack[before].near < stack[before + 1].near {
+            if has_both && distance(stack[before]) < distance(stack[before + 1]) {
                 stack.swap(before, before + 1);
             }
         }
@@ -168,11 +158,11 @@ impl Walk {
 
     /// Pushes a node if the ray meets its box.
     #[inline]
-    fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [TlasEntry]) {
+    fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [u64]) {
         let [near, far] = self.slab.interval(&tlas.nodes[node as usize].bounds);
         let near = max(near, self.ray.t_min);
         if near <= min(far, self.slab.reach(self.reach())) {
-            stack[self.height as usize] = TlasEntry { near, node };
+            stack[self.height as usize] = entry(near, node);
             self.height += 1;
         }
     }
@@ -181,18 +171,15 @@ impl Walk {
 /// Sorts the leaves by their centres along the longest axis and returns the number of the left half,
 /// which has the least cost by the surface-area heuristic: neither all nor none.
 fn divide(leaves: &mut [InstanceNode], depth: usize) -> usize {
-    let (low, high) =
-        leaves.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), leaf| {
-            let at = |k: usize| leaf.middle(k);
-            ([0, 1, 2].map(|k| low[k].min(at(k))), [0, 1, 2].map(|k| high[k].max(at(k))))
-        });
-    let extent = |k: usize| high[k] - low[k];
-    let axis = (1..3).fold(0, |best, k| if extent(k) > extent(best) { k } else { best });
+    let low = leaves.iter().map(InstanceNode::middle).fold(Vec3::INFINITY, Vec3::min);
+    let high = leaves.iter().map(InstanceNode::middle).fold(Vec3::NEG_INFINITY, Vec3::max);
+    let extent = high - low;
+    let axis = extent.max_position();
     // Of equal centres, the lower numbers come first.
     leaves.sort_unstable_by(|a, b| {
-        a.middle(axis).total_cmp(&b.middle(axis)).then(a.index.cmp(&b.index))
+        a.middle()[axis].total_cmp(&b.middle()[axis]).then(a.index.cmp(&b.index))
     });
-    if depth >= DEEPEST || extent(axis) <= 0.0 {
+    if depth >= DEEPEST || extent[axis] <= 0.0 {
         return leaves.len() / 2;
     }
     let costs = |leaves: &mut dyn Iterator<Item = &InstanceNode>| -> Vec<f32> {

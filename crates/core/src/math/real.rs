@@ -1,7 +1,7 @@
 //! Numbers of any width: one value, or a value in each lane of a vector.
 //!
 //! Kernels are written once over these traits and compiled for single values (`f32`) and for eight
-//! or sixteen lanes. Every width computes the same bits: lanes add, multiply, divide and compare
+//! lanes. Every width computes the same bits: lanes add, multiply, divide and compare
 //! like single values, and no operation is fused.
 
 use std::fmt::Debug;

@@ -198,30 +198,20 @@ pub trait Lanes: Simd {
     /// unspecified.
     #[inline(always)]
     fn far_to_near(self, entries: &[u64; LANES], mask: u8, sorted: &mut [u64; LANES]) {
-        let mut bits = u32::from(mask);
-        let mut count = 0;
-        while bits != 0 {
-            let new = entries[bits.trailing_zeros() as usize & (LANES - 1)];
-            bits &= bits - 1;
-            let mut place = count;
-            while place > 0 && sorted[place - 1] < new {
+        for (mut place, lane) in set_bits::<LANES>(mask).enumerate() {
+            while place > 0 && sorted[place - 1] < entries[lane] {
                 sorted[place] = sorted[place - 1];
                 place -= 1;
             }
-            sorted[place] = new;
-            count += 1;
+            sorted[place] = entries[lane];
         }
     }
 
     /// As [`Lanes::far_to_near`], in the given order.
     #[inline(always)]
     fn compress(self, entries: &[u64; LANES], mask: u8, compressed: &mut [u64; LANES]) {
-        let mut bits = u32::from(mask);
-        let mut count = 0;
-        while bits != 0 {
-            compressed[count & (LANES - 1)] = entries[bits.trailing_zeros() as usize & (LANES - 1)];
-            bits &= bits - 1;
-            count += 1;
+        for (place, lane) in set_bits::<LANES>(mask).enumerate() {
+            compressed[place & (LANES - 1)] = entries[lane];
         }
     }
 }

@@ -72,7 +72,16 @@ impl Proof<'_> {
                 census.nodes += 1;
                 census.children += u64::from(node.count);
                 census.depth = census.depth.max(depth);
-                children(node, place, |child| hand_on((child, depth + 1)))?;
+                let (used, unused) = node.children.split_at_checked(node.count as usize)?;
+                for &relative in used {
+                    // No node points to itself or back.
+                    if (relative >> 2) < NODE_UNITS as u32 {
+                        return None;
+                    }
+                    hand_on((Ref(relative.checked_add(base(place))?), depth + 1));
+                }
+                // No ray meets the other lanes, but even if one did it would stay within the arena.
+                unused.iter().all(|&child| child == 0).then_some(())?;
             }
             Kind::Patch => {
                 census.triangles += within(&content::<Patch>(rest)?.head)?;
@@ -91,20 +100,6 @@ impl Proof<'_> {
         }
         Some(())
     }
-}
-
-/// Proves the places of a node's children and hands them on.
-fn children(node: &Node, place: Ref, mut hand_on: impl FnMut(Ref)) -> Option<()> {
-    let (used, unused) = node.children.split_at_checked(node.count as usize)?;
-    for &relative in used {
-        // No node points to itself or back.
-        if (relative >> 2) < NODE_UNITS as u32 {
-            return None;
-        }
-        hand_on(Ref(relative.checked_add(base(place))?));
-    }
-    // No ray meets the other lanes, but even if one did it would stay within the arena.
-    unused.iter().all(|&child| child == 0).then_some(())
 }
 
 impl std::ops::Add for TreeContents {

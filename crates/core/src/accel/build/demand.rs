@@ -42,7 +42,8 @@ impl Searched<'_> {
                 kind.and_then(|kind| arena.extend(&piece.output.units, kind, Demand::MOST_DEPTH));
             whole.or_else(|| {
                 // Too deep: its primitives are tested one by one.
-                let numbers: Vec<_> = piece.numbers(geometry).collect();
+                let numbers = piece.entries.iter().map(|&entry| geometry.number_of(entry));
+                let numbers: Vec<_> = numbers.collect();
                 piece.output.clear(0);
                 piece.output.list(&numbers);
                 arena.extend(&piece.output.units, Kind::List, 0)

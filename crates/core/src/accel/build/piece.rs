@@ -36,7 +36,8 @@ impl<'a> BuildPlan<'a> {
 /// Builds pieces in turn, and reuses its memory.
 #[derive(Default)]
 pub(super) struct Piece {
-    entries: Vec<u32>,
+    /// Those it was last built over.
+    pub(super) entries: Vec<u32>,
     ploc: PlocBuilder,
     bvh: Bvh2,
     optimizer: ReinsertionOptimizer,
@@ -101,11 +102,6 @@ impl Piece {
         let parts = self.emit(plan, parts);
         put(numbers, &self.output.numbers);
         parts
-    }
-
-    /// The primitives of the entries.
-    pub(super) fn numbers(&self, geometry: &Geometry) -> impl Iterator<Item = u32> {
-        self.entries.iter().map(|&entry| geometry.number_of(entry))
     }
 
     /// Builds the hierarchy over the entries, and decides its conversion.

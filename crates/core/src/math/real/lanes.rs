@@ -1,8 +1,8 @@
-//! Eight or sixteen numbers at a time.
+//! Eight numbers at a time.
 
 use fearless_simd::ExtractToken;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16, f64x8, mask32x8, mask32x16, mask64x8, u32x8};
+use fearless_simd::{f32x8, f64x8, mask32x8, mask32x16, mask64x8, u32x8};
 
 use super::{Mask, Real, Single};
 use crate::math::simd::{LANES, Lanes, outlined};
@@ -24,11 +24,11 @@ mask!(mask64x8, 8);
 mask!(mask32x16, 16);
 
 macro_rules! lanes {
-    ($float:ident, $element:ty, $mask:ident, $lanes:literal) => {
+    ($float:ident, $element:ty, $mask:ident) => {
         impl<S: Lanes> Real for $float<S> {
             type Element = $element;
             type Mask = $mask<S>;
-            const LANES: usize = $lanes;
+            const LANES: usize = LANES;
 
             #[inline(always)]
             fn same(self, value: $element) -> Self {
@@ -65,9 +65,8 @@ macro_rules! lanes {
     };
 }
 
-lanes!(f32x8, f32, mask32x8, 8);
-lanes!(f32x16, f32, mask32x16, 16);
-lanes!(f64x8, f64, mask64x8, 8);
+lanes!(f32x8, f32, mask32x8);
+lanes!(f64x8, f64, mask64x8);
 
 impl<S: Lanes> Single for f32x8<S> {
     type Double = f64x8<S>;
