@@ -22,7 +22,6 @@ mod layout;
 mod proof;
 mod units;
 
-use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use bytemuck::{Pod, Zeroable};
@@ -159,13 +158,8 @@ impl Arena {
     /// The arena as kernels see it.
     #[inline(always)]
     pub(super) fn view(&self) -> ArenaView<'_> {
-        ArenaView { units: self.units.as_ptr(), numbers: &self.numbers, arena: PhantomData }
+        ArenaView { units: self.units.as_ptr(), numbers: &self.numbers }
     }
-}
-
-/// Replaces the `numbers` from the first on.
-pub(super) fn put(numbers: &[AtomicU32], new: &[u32]) {
-    numbers.iter().zip(new).for_each(|(number, &new)| number.store(new, Ordering::Relaxed));
 }
 
 /// A proved arena, for kernels.
@@ -173,7 +167,6 @@ pub(super) fn put(numbers: &[AtomicU32], new: &[u32]) {
 pub(super) struct ArenaView<'a> {
     units: *const Unit,
     numbers: &'a [AtomicU32],
-    arena: PhantomData<&'a Arena>,
 }
 
 impl<'a> ArenaView<'a> {

@@ -168,19 +168,17 @@ const FEW: u32 = 2;
 /// depend on it.
 #[inline(never)]
 fn open_overlapping(reach: f32, hits: &mut LaneHits) {
-    let certain = |hits: &LaneHits, lane: usize| hits.certain >> lane & 1 == 1;
-    let ends = (0..8).filter(|&lane| certain(hits, lane)).map(|lane| hits.high[lane]);
+    let ends = set_bits::<LANES>(hits.certain).map(|lane| hits.high[lane]);
     let reach = ends.fold(reach, f32::min);
-    for lane in 0..8 {
-        if hits.low[lane] > reach {
-            hits.certain &= !(1 << lane);
-        }
+    for lane in set_bits::<LANES>(hits.certain).filter(|&lane| hits.low[lane] > reach) {
+        hits.certain &= !(1 << lane);
     }
     if hits.certain.count_ones() > FEW {
-        let is_open = |&lane: &usize| certain(hits, lane) && hits.low[lane] < hits.high[lane];
-        let open = (0..8).filter(is_open).fold(0, |open, lane| open | 1 << lane);
-        hits.certain &= !open;
-        hits.open |= open;
+        let is_open = |&lane: &usize| hits.low[lane] < hits.high[lane];
+        for lane in set_bits::<LANES>(hits.certain).filter(is_open) {
+            hits.certain &= !(1 << lane);
+            hits.open |= 1 << lane;
+        }
     }
 }
 

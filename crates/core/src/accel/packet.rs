@@ -15,7 +15,6 @@
 mod beam;
 mod columns;
 mod frame;
-mod hand_over;
 mod leaves;
 mod load;
 mod nodes;
@@ -27,11 +26,12 @@ use super::query::ANY_HIT;
 use super::stream::{self, HandedRays, RaySource};
 use super::{
     Hit, KernelChoice, Kind, NotedLeaves, Query, Rays, Ref, Root, Searched, Traversal, distance,
-    place,
+    place, single,
 };
 use crate::counters::TestCounts;
+use crate::geometry::PreparedRay;
 use crate::kernels::Arithmetic;
-use crate::math::{Lanes, entry, outlined};
+use crate::math::{Lanes, entry, outlined, set_bits};
 use beam::Beam;
 use columns::{GROUPS, TileColumn, WIDTH, load, number_of, numbers};
 use tile::RayTile;
@@ -305,6 +305,40 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
             return true;
         }
         false
+    }
+
+    /// Hands `rays` over, to continue from `place`.
+    #[inline(always)]
+    fn hand_over(&mut self, tile: &mut RayTile, place: u64, rays: u64) {
+        tile.is_left = true;
+        let Self { simd, searched, .. } = *self;
+        for i in set_bits::<TILE>(rays) {
+            let number = tile.block + number_of(i);
+            if self.handed.add(number, place) {
+                continue;
+            }
+            // Beyond a number of places the ray traverses the subtree at once, alone.
+            outlined(
+                simd,
+                #[inline(always)]
+                || {
+                    let ray = (&PreparedRay::new(&tile.ray(i)), number);
+                    let before = tile.best(i);
+                    let stack = (&mut *self.stack, place);
+                    let notes = (&mut *self.tests, &mut *self.noted);
+                    let best = single::trace::<S, Q, P>(simd, searched, ray, before, stack, notes);
+                    if best == before {
+                        return;
+                    }
+                    if Q::ANY {
+                        tile.done |= 1 << i;
+                    } else {
+                        tile.set_best(i, best);
+                        tile.tighten(simd);
+                    }
+                },
+            );
+        }
     }
 }
 

@@ -150,8 +150,12 @@ impl<P: Arithmetic> Search<'_, P> {
 
     #[inline(never)]
     fn many<Q: Query>(&self, rays: Rays<'_>, answers: &mut [Q::Answer], traversal: &mut Traversal) {
-        let Accel { geometry, tree, .. } = self.accel;
-        let (Some(tree), true) = (tree, self.has_batches()) else {
+        let Accel { geometry, tree, kernel, level, .. } = self.accel;
+        // The reference has no use for lanes.
+        let is_each = P::IS_REFERENCE
+            || matches!(kernel, KernelChoice::Single | KernelChoice::Reference)
+            || !is_wide(*level);
+        let Some(tree) = tree.as_ref().filter(|_| !is_each) else {
             self.each::<Q>(rays, answers, traversal);
             return;
         };
@@ -180,14 +184,6 @@ impl<P: Arithmetic> Search<'_, P> {
         }
         // Those of the last ray alone.
         traversal.noted.begin(false, 0);
-    }
-
-    /// Whether many rays are searched together. The reference has no use for lanes.
-    fn has_batches(&self) -> bool {
-        let Accel { kernel, level, .. } = self.accel;
-        !P::IS_REFERENCE
-            && !matches!(kernel, KernelChoice::Single | KernelChoice::Reference)
-            && is_wide(*level)
     }
 
     /// The hit of a ray in the tree of a prototype, by the prototype's own numbers.

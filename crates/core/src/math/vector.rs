@@ -254,9 +254,7 @@ impl<F: Single> Vector<F> {
     #[inline(always)]
     pub fn rounding_error(self, size: F) -> Self {
         let constant = size.times(DOUBLE_ROUNDINGS);
-        let Self { x, y, z } = self.abs();
-        let bound = gamma(2);
-        Self::new(x.times(bound) + constant, y.times(bound) + constant, z.times(bound) + constant)
+        self.abs().scale(size.same(gamma(2))) + Self::new(constant, constant, constant)
     }
 }
 

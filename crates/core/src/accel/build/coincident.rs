@@ -78,19 +78,13 @@ impl Heaps {
         if self.ranges.is_empty() {
             return;
         }
-        for place in 0..bvh.nodes.len() {
-            let node = &bvh.nodes[place];
-            let owner = bvh.primitive_indices.get(node.first_index as usize);
-            let heap = owner.and_then(|&owner| (owner as usize).checked_sub(first));
-            if let Some(heap) = heap.filter(|_| node.is_leaf()) {
-                self.grow(bvh, place, self.ranges[heap].clone(), first);
-            }
-        }
-    }
-
-    /// Makes the node at `place` the root of a balanced tree.
-    fn grow(&self, bvh: &mut Bvh2, place: usize, members: Range<usize>, first: usize) {
-        let mut waiting = vec![(place, members)];
+        let members_at = |(place, node): (usize, &Bvh2Node)| {
+            let owner = bvh.primitive_indices.get(node.first_index as usize)?;
+            let heap = (*owner as usize).checked_sub(first).filter(|_| node.is_leaf())?;
+            Some((place, self.ranges[heap].clone()))
+        };
+        let nodes = bvh.nodes.iter().enumerate();
+        let mut waiting: Vec<_> = nodes.rev().filter_map(members_at).collect();
         while let Some((place, members)) = waiting.pop() {
             let Range { start, end } = members;
             if members.len() == 1 {
@@ -124,8 +118,7 @@ fn ordered(geometry: &Geometry, mut members: Vec<(Entry, Aabb)>) -> Vec<(Entry, 
     let mut known = HashSet::new();
     members.retain(|(single, _)| {
         let Some(corners) = single.corners else { return true };
-        let has_holes =
-            !geometry.cutouts.is_empty() && geometry.cutouts.of(single.number).is_some();
+        let has_holes = geometry.cutouts.of(single.number).is_some();
         if has_holes || geometry.is_transparent(single.number) {
             return true;
         }

@@ -37,9 +37,9 @@ impl Searched<'_> {
         let build = |piece: &mut Piece| {
             let plan = BuildPlan::new(geometry, Preset::OnDemand, demand.extents);
             let parts = piece.parts(&plan, arena.numbers(), entries.clone(), 1);
-            let kind = parts.first().map(|part| part.kind);
-            let whole =
-                kind.and_then(|kind| arena.extend(&piece.output.units, kind, Demand::MOST_DEPTH));
+            let whole = parts
+                .first()
+                .and_then(|part| arena.extend(&piece.output.units, part.kind, Demand::MOST_DEPTH));
             whole.or_else(|| {
                 // Too deep: its primitives are tested one by one.
                 let numbers = piece.entries.iter().map(|&entry| geometry.number_of(entry));

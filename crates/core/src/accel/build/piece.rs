@@ -8,9 +8,8 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::PlocBuilder;
 
 use super::coincident::Heaps;
-use super::weld::Welder;
+use super::weld::weld;
 use super::{CurveLeaf, Entry, LeafFinder, Preset, WELD_ABOVE};
-use crate::accel::arena::put;
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::geometry::Geometry;
 use crate::kernels::Aabb;
@@ -44,7 +43,8 @@ pub(super) struct Piece {
     boxes: Vec<obvhs::aabb::Aabb>,
     members: Members,
     finder: LeafFinder,
-    welder: Welder,
+    /// The table of welded vertices.
+    welded: Vec<u32>,
     converter: Converter,
     pub(super) output: Output,
 }
@@ -100,7 +100,8 @@ impl Piece {
         self.entries.extend(numbers.iter().map(|number| number.load(Ordering::Relaxed)));
         self.build(plan);
         let parts = self.emit(plan, parts);
-        put(numbers, &self.output.numbers);
+        let new = &self.output.numbers;
+        numbers.iter().zip(new).for_each(|(number, &new)| number.store(new, Ordering::Relaxed));
         parts
     }
 
@@ -157,7 +158,7 @@ impl Piece {
         }));
         if plan.weld {
             let triangles = singles.iter_mut().filter_map(|single| single.corners.as_mut());
-            self.welder.weld(&geometry.positions, triangles, entries.len());
+            weld(&geometry.positions, triangles, entries.len(), &mut self.welded);
         }
     }
 

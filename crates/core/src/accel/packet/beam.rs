@@ -1,5 +1,7 @@
 //! Bounds on the rays of a tile: an interval for each number in the box test.
 
+use std::array::from_fn;
+
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 
@@ -39,31 +41,27 @@ impl<S: Lanes> Extents<S> {
     pub(super) fn beam(&self) -> Option<Beam> {
         let low = fold::<S, false>(&self.components.0);
         let high = fold::<S, true>(&self.components.1);
-        let [ox, oy, oz, x, y, z, t_min, t_max] = pairs(low, high);
-        if !(self.valid.all_true() && is_one_sign(x) && is_one_sign(y) && is_one_sign(z)) {
+        let [ox, oy, oz, x, y, z, t_min, t_max] = from_fn(|k| [low[k], high[k]]);
+        let (origins, directions) = ([ox, oy, oz], [x, y, z]);
+        if !(self.valid.all_true() && directions.into_iter().all(is_one_sign)) {
             return None;
         }
-        let farthest = max(greatest(ox), max(greatest(oy), greatest(oz)));
-        let longest = max(greatest(x), max(greatest(y), greatest(z)));
+        let largest = |ends: [[f32; 2]; 3]| ends.into_iter().map(greatest).fold(0.0, max);
+        let (farthest, longest) = (largest(origins), largest(directions));
         // Beyond these the filter of triangles has no bounds.
         if farthest > LARGEST || !(1.0 / LARGEST..=LARGEST).contains(&longest) {
             return None;
         }
-        let negative = [x[1] < 0.0, y[1] < 0.0, z[1] < 0.0];
-        let has_one_origin = ox[0] == ox[1] && oy[0] == oy[1] && oz[0] == oz[1];
+        let negative = directions.map(|[_, high]| high < 0.0);
+        let by_entry = |k: usize| {
+            let [low, high] = origins[k];
+            if negative[k] { [low, high] } else { [high, low] }
+        };
         Some(Beam {
             negative,
-            has_one_origin,
-            reciprocal: [
-                [1.0 / x[1], 1.0 / x[0]],
-                [1.0 / y[1], 1.0 / y[0]],
-                [1.0 / z[1], 1.0 / z[0]],
-            ],
-            origin: [
-                by_entry(ox, negative[0]),
-                by_entry(oy, negative[1]),
-                by_entry(oz, negative[2]),
-            ],
+            has_one_origin: origins.iter().all(|[low, high]| low == high),
+            reciprocal: directions.map(|[low, high]| [1.0 / high, 1.0 / low]),
+            origin: [0, 1, 2].map(by_entry),
             slack: slack(t_min[0]),
             t_min,
             reach: t_max,
@@ -74,12 +72,6 @@ impl<S: Lanes> Extents<S> {
 /// The largest coordinate of an origin, and the largest component of a direction; the reciprocal is
 /// the smallest: 2^60.
 const LARGEST: f32 = (1_u64 << 60) as f32;
-
-/// The smallest and largest of each component.
-#[inline(always)]
-fn pairs(low: [f32; 8], high: [f32; 8]) -> [[f32; 2]; 8] {
-    std::array::from_fn(|k| [low[k], high[k]])
-}
 
 /// The smallest or largest of each component of origins, directions and ranges.
 #[inline(always)]
@@ -98,12 +90,6 @@ fn fold<S: Lanes, const GREATEST: bool>(rays: &RayLanes<S>) -> [f32; 8] {
 fn both<S: Lanes, const GREATEST: bool>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     let (low, high) = (a.zip_low(b), a.zip_high(b));
     if GREATEST { low.max(high) } else { low.min(high) }
-}
-
-/// The origins with the earliest and the latest entry.
-#[inline(always)]
-fn by_entry([low, high]: [f32; 2], negative: bool) -> [f32; 2] {
-    if negative { [low, high] } else { [high, low] }
 }
 
 /// The larger magnitude of both ends.
@@ -175,12 +161,9 @@ impl Beam {
     pub(super) fn meets(&self, bounds: &Aabb) -> bool {
         let (mut near, mut far) = (self.t_min[0], self.reach[1]);
         for k in 0..3 {
-            let (first, last) = if self.negative[k] {
-                (bounds.high[k], bounds.low[k])
-            } else {
-                (bounds.low[k], bounds.high[k])
-            };
-            let (first, last) = (first - self.origin[k][0], last - self.origin[k][1]);
+            let planes = [bounds.low[k], bounds.high[k]];
+            let first = planes[usize::from(self.negative[k])] - self.origin[k][0];
+            let last = planes[usize::from(!self.negative[k])] - self.origin[k][1];
             let [low, high] = self.reciprocal[k];
             near = max(near, min(first * low, first * high));
             far = min(far, max(last * low, last * high));

@@ -10,12 +10,19 @@ use std::arch::x86_64::*;
 
 impl Lanes for Sse2 {}
 
-fearless_simd::kernel!(
-    #[inline(always)]
-    fn permute_avx2(level: Avx2, values: f32x8<Avx2>, indices: u32x8<Avx2>) -> f32x8<Avx2> {
-        _mm256_permutevar8x32_ps(values.into(), indices.into()).simd_into(level)
-    }
-);
+macro_rules! permute {
+    ($name:ident, $level:ident) => {
+        fearless_simd::kernel!(
+            #[inline(always)]
+            fn $name(level: $level, values: f32x8<$level>, at: u32x8<$level>) -> f32x8<$level> {
+                _mm256_permutevar8x32_ps(values.into(), at.into()).simd_into(level)
+            }
+        );
+    };
+}
+
+permute!(permute_avx2, Avx2);
+permute!(permute_avx512, Avx512);
 
 impl Lanes for Avx2 {
     #[inline(always)]
@@ -23,17 +30,6 @@ impl Lanes for Avx2 {
         permute_avx2(self, values, indices)
     }
 }
-
-fearless_simd::kernel!(
-    #[inline(always)]
-    fn permute_avx512(
-        level: Avx512,
-        values: f32x8<Avx512>,
-        indices: u32x8<Avx512>,
-    ) -> f32x8<Avx512> {
-        _mm256_permutevar8x32_ps(values.into(), indices.into()).simd_into(level)
-    }
-);
 
 fearless_simd::kernel!(
     #[inline(always)]
