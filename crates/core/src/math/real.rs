@@ -1,8 +1,8 @@
 //! Numbers of any width: one value, or a value in each lane of a vector.
 //!
 //! Kernels are written once over these traits and compiled for single values (`f32`) and for eight
-//! lanes. Every width computes the same bits: lanes add, multiply, divide and compare
-//! like single values, and no operation is fused.
+//! lanes. Every width computes the same bits: lanes add, multiply, divide and compare like single
+//! values, and no operation is fused.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};

@@ -83,6 +83,7 @@ impl Heaps {
             let heap = (*owner as usize).checked_sub(first).filter(|_| node.is_leaf())?;
             Some((place, self.ranges[heap].clone()))
         };
+        // The first heap comes last, so that it is opened first.
         let nodes = bvh.nodes.iter().enumerate();
         let mut waiting: Vec<_> = nodes.rev().filter_map(members_at).collect();
         while let Some((place, members)) = waiting.pop() {
