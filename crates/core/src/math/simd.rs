@@ -199,11 +199,12 @@ pub trait Lanes: Simd {
     #[inline(always)]
     fn far_to_near(self, entries: &[u64; LANES], mask: u8, sorted: &mut [u64; LANES]) {
         for (mut place, lane) in set_bits::<LANES>(mask).enumerate() {
-            while place > 0 && sorted[place - 1] < entries[lane] {
+            let new = entries[lane];
+            while place > 0 && sorted[place - 1] < new {
                 sorted[place] = sorted[place - 1];
                 place -= 1;
             }
-            sorted[place] = entries[lane];
+            sorted[place] = new;
         }
     }
 
