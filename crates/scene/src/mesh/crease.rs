@@ -9,10 +9,8 @@
 //! If most vertices are not shared, as in files that list each triangle separately, vertices at the
 //! same position count as one.
 //!
-//! All threads process ranges of vertices. A range looks only at blocks of triangles that may use
-//! its vertices, so that what it holds stays in a core's cache.
-
-use std::ops::Range;
+//! All threads process ranges of vertices, each with the triangles that use them, so that what a range
+//! holds stays in a core's cache.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -25,14 +23,8 @@ use crate::corners::direction;
 /// twelve sides have 30 degrees up to this error; either all of them are creases or none.
 const ROUNDING: f64 = 1e-3;
 
-/// Vertices in a range, unless triangles use vertices from everywhere.
+/// The most vertices in a range.
 const RANGE: usize = 1 << 13;
-
-/// Triangles in a block.
-const BLOCK: usize = 1 << 10;
-
-/// The largest mean number of ranges that look at a block. Beyond, ranges are larger.
-const MOST_LOOKS: usize = 4;
 
 /// Normals for each corner of `triangles`; edges of `degrees` and more are creases. Vertices at the same position count as
 /// one if most are not shared, or if it `joins` them.
@@ -45,28 +37,25 @@ pub(crate) fn normals(
     joins: bool,
 ) -> Attribute<Vec3> {
     let is_shared = positions.len() <= triangles.len() && !joins;
-    let joined = (!is_shared).then(|| joined(positions, triangles));
+    let joined: Option<Vec<[u32; 3]>> = (!is_shared).then(|| {
+        let numbers = first_of_each(positions);
+        triangles.par_iter().map(|corners| corners.map(|i| numbers[i as usize])).collect()
+    });
     let mesh = CreaseMesh {
         positions,
         triangles: joined.as_deref().unwrap_or(triangles),
         least: libm::cos((degrees - ROUNDING).max(0.0).to_radians()),
     };
-    let blocks = mesh.blocks();
-    let size = range_size(positions.len(), &blocks);
-    let mut blocks_of = vec![Vec::new(); positions.len().div_ceil(size)];
-    for (block, &[low, high]) in blocks.iter().enumerate() {
-        blocks_of[low as usize / size..=high as usize / size]
-            .iter_mut()
-            .for_each(|of| of.push(block));
-    }
+    let size = RANGE.min(positions.len().div_ceil(rayon::current_num_threads())).max(1);
+    let parts = mesh.by_range(size);
     let mut values = vec![Vec3::ZERO; positions.len()];
     let further: Vec<Further> = values
         .par_chunks_mut(size)
         .enumerate()
         .map_init(CreaseMemory::default, |room, (range, values)| {
-            let first = range * size;
             let mut further = Further::default();
-            room.look(&mesh, &blocks_of[range], first..first + values.len());
+            let triangles = parts.iter().flat_map(|ranges| &ranges[range]);
+            room.look(&mesh, triangles, (range * size) as u32, values.len());
             for (vertex, value) in values.iter_mut().enumerate() {
                 room.add(vertex, mesh.least, value, &mut further);
             }
@@ -85,28 +74,6 @@ pub(crate) fn normals(
     Attribute { values, indices }
 }
 
-/// The triangles with vertices at the same position merged.
-fn joined(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let numbers = first_of_each(positions);
-    let join = |triangle: &[u32; 3]| triangle.map(|i| numbers[i as usize]);
-    triangles.par_iter().map(join).collect()
-}
-
-/// The number of vertices in a range: [`RANGE`], or more if too many ranges would look at each
-/// block; at most so many that each thread has a range.
-fn range_size(vertices: usize, blocks: &[[u32; 2]]) -> usize {
-    let most = vertices.div_ceil(rayon::current_num_threads()).max(1);
-    let looks = |size: usize| {
-        let of_block = |&[low, high]: &[u32; 2]| high as usize / size - low as usize / size + 1;
-        blocks.iter().map(of_block).sum::<usize>()
-    };
-    let mut size = RANGE.min(most);
-    while size < most && looks(size) > MOST_LOOKS * blocks.len() {
-        size = (2 * size).min(most);
-    }
-    size
-}
-
 struct CreaseMesh<'a> {
     positions: &'a [Vec3],
     triangles: &'a [[u32; 3]],
@@ -115,22 +82,32 @@ struct CreaseMesh<'a> {
 }
 
 impl CreaseMesh<'_> {
-    /// The lowest and the highest vertex of each block of triangles.
-    fn blocks(&self) -> Vec<[u32; 2]> {
-        let ends = |block: &[[u32; 3]]| {
-            let corners = block.as_flattened().iter();
-            corners.fold([NO_VALUE, 0], |[low, high], &v| [low.min(v), high.max(v)])
+    /// For each part of the triangles, the numbers of those with corners in each range of `size` vertices.
+    fn by_range(&self, size: usize) -> Vec<Vec<Vec<u32>>> {
+        let part = self.triangles.len().div_ceil(rayon::current_num_threads()).max(1);
+        let distribute = |(number, triangles): (usize, &[[u32; 3]])| {
+            let mut ranges = vec![Vec::new(); self.positions.len().div_ceil(size)];
+            for (number, vertices) in ((number * part) as u32..).zip(triangles) {
+                let [a, b, c] = vertices.map(|v| v as usize / size);
+                ranges[a].push(number);
+                if b != a {
+                    ranges[b].push(number);
+                }
+                if c != a && c != b {
+                    ranges[c].push(number);
+                }
+            }
+            ranges
         };
-        self.triangles.par_chunks(BLOCK).map(ends).collect()
+        self.triangles.par_chunks(part).enumerate().map(distribute).collect()
     }
 
-    /// The face of a triangle; `None` without area.
-    fn face(&self, number: u32, vertices: [u32; 3]) -> Option<CreaseFace> {
+    /// The face of a triangle; `None` without area. In double precision no square of a length underflows:
+    /// differences of single-precision numbers are multiples of the smallest of these.
+    fn face(&self, number: u32) -> Option<CreaseFace> {
+        let vertices = self.triangles[number as usize];
         let [a, b, c] = vertices.map(|v| self.positions[v as usize].as_dvec3());
-        let mut edges = [b - a, c - b, a - c];
-        if edges[0].cross(edges[1]).length_squared() < UNDERFLOW {
-            edges = edges.map(|edge| edge * LARGER);
-        }
+        let edges = [b - a, c - b, a - c];
         let cross = edges[0].cross(edges[1]);
         let area = cross.length();
         if area == 0.0 {
@@ -142,11 +119,6 @@ impl CreaseMesh<'_> {
         Some(CreaseFace { number, vertices, normal: cross * (1.0 / area), angles })
     }
 }
-
-/// Below this, the square of a length may have lost digits by underflow; and a factor to avoid that.
-/// It makes the smallest numbers of single precision 1, and the squares of the largest stay finite.
-const UNDERFLOW: f64 = 1e-260;
-const LARGER: f64 = f64::from_bits((1023 + 149) << 52);
 
 /// Coefficients of the arc cosine over the square root of 1 - x, in thousandths, from the constant term
 /// on: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 4.4.46.
@@ -197,131 +169,100 @@ struct Corner {
     normal: DVec3,
     /// Its angle.
     weight: f64,
-    /// An earlier corner of the same group here, or itself.
-    parent: usize,
-    /// The number of the group's normal, once it has one; [`NO_VALUE`] for the first.
-    value: u32,
+    /// An earlier corner of the same group here, or itself; then the number of the group.
+    group: usize,
 }
 
 /// Memory for a range of vertices, and for the corners around one.
 #[derive(Default)]
 struct CreaseMemory {
     faces: Vec<CreaseFace>,
-    /// The start of each vertex's corners, with the end appended.
-    starts: Vec<u32>,
-    /// Corners by vertex: three times the index of a face, plus its index there.
-    about: Vec<u32>,
+    /// For each vertex its first corner, and for each corner the next one at its vertex: three times the
+    /// index of a face, plus its index there; [`NO_VALUE`] for none.
+    firsts: Vec<u32>,
+    nexts: Vec<u32>,
     corners: Vec<Corner>,
     /// The vertex at the other end of an edge, and the corner.
     edges: Vec<(u32, usize)>,
+    /// The sum of the normals of each group.
+    sums: Vec<DVec3>,
 }
 
 impl CreaseMemory {
-    /// Finds the faces and corners around a range of vertices, in `blocks` of triangles. Corners are
-    /// sorted by counting (Knuth, *The Art of Computer Programming*, volume 3, section 5.2).
-    fn look(&mut self, mesh: &CreaseMesh<'_>, blocks: &[usize], range: Range<usize>) {
-        let Self { faces, starts, about, .. } = self;
-        let (first, count) = (range.start as u32, range.len() as u32);
+    /// Finds the faces and corners around `count` vertices from `start` on, which `triangles` use.
+    fn look<'t>(
+        &mut self,
+        mesh: &CreaseMesh<'_>,
+        triangles: impl Iterator<Item = &'t u32>,
+        start: u32,
+        count: usize,
+    ) {
+        let Self { faces, firsts, nexts, .. } = self;
         faces.clear();
-        starts.clear();
-        starts.resize(range.len() + 2, 0);
-        for start in blocks.iter().map(|block| block * BLOCK) {
-            let triangles = mesh.triangles[start..].iter().take(BLOCK);
-            for (number, vertices) in (start as u32..).zip(triangles) {
-                let place = vertices.map(|v| v.wrapping_sub(first));
-                if place.iter().all(|&v| v >= count) {
-                    continue;
+        faces.extend(triangles.filter_map(|&number| mesh.face(number)));
+        firsts.clear();
+        firsts.resize(count, NO_VALUE);
+        nexts.clear();
+        nexts.resize(3 * faces.len(), NO_VALUE);
+        for (i, face) in faces.iter().enumerate().rev() {
+            for (k, vertex) in face.vertices.into_iter().enumerate() {
+                if let Some(first) = firsts.get_mut(vertex.wrapping_sub(start) as usize) {
+                    nexts[3 * i + k] = std::mem::replace(first, (3 * i + k) as u32);
                 }
-                let Some(face) = mesh.face(number, *vertices) else { continue };
-                faces.push(face);
-                let here = place.into_iter().filter(|&v| v < count);
-                here.for_each(|v| starts[v as usize + 2] += 1);
-            }
-        }
-        for vertex in 2..starts.len() {
-            starts[vertex] += starts[vertex - 1];
-        }
-        about.clear();
-        about.resize(starts[starts.len() - 1] as usize, 0);
-        let corners = faces.iter().flat_map(|face| face.vertices);
-        for (corner, vertex) in (0_u32..).zip(corners) {
-            let vertex = vertex.wrapping_sub(first);
-            if vertex < count {
-                // The start of a vertex moves to its end, which is the next one's start.
-                let next = &mut starts[vertex as usize + 1];
-                about[*next as usize] = corner;
-                *next += 1;
             }
         }
     }
 
     /// Computes the normals around the `vertex`th of the range: the first, and `further` ones.
     fn add(&mut self, vertex: usize, least: f64, value: &mut Vec3, further: &mut Further) {
-        let Self { faces, starts, about, corners, edges } = self;
+        let Self { faces, firsts, nexts, corners, edges, sums } = self;
         corners.clear();
         edges.clear();
-        for (place, &corner) in
-            about[starts[vertex] as usize..starts[vertex + 1] as usize].iter().enumerate()
-        {
+        sums.clear();
+        let mut corner = firsts[vertex];
+        while corner != NO_VALUE {
             let (face, k) = (&faces[corner as usize / 3], corner as usize % 3);
-            edges.extend([1, 2].map(|turn| (face.vertices[(k + turn) % 3], place)));
-            let (number, weight) = (3 * face.number + k as u32, face.angles[k]);
-            let value = NO_VALUE;
-            corners.push(Corner { number, normal: face.normal, weight, parent: place, value });
+            let (number, group) = (3 * face.number + k as u32, corners.len());
+            edges.extend([1, 2].map(|turn| (face.vertices[(k + turn) % 3], group)));
+            corners.push(Corner { number, normal: face.normal, weight: face.angles[k], group });
+            corner = nexts[corner as usize];
         }
         edges.sort_unstable();
-        for pair in edges.windows(2) {
-            let [(end, one), (other_end, other)] = [pair[0], pair[1]];
+        for &[(end, one), (other_end, other)] in edges.array_windows() {
             if end == other_end && corners[one].normal.dot(corners[other].normal) >= least {
-                join(corners, one, other);
+                let (one, other) = (first(corners, one), first(corners, other));
+                corners[one.max(other)].group = one.min(other);
             }
         }
-        sum_up(corners, value, further);
+        let others = further.normals.len();
+        for place in 0..corners.len() {
+            let Corner { number, normal, weight, group } = corners[place];
+            let part = normal * weight;
+            let group = if group == place { sums.len() } else { corners[group].group };
+            // Kept as sums in double precision until all are added.
+            match sums.get_mut(group) {
+                Some(sum) => *sum += part,
+                None => sums.push(part),
+            }
+            corners[place].group = group;
+            if group > 0 {
+                further.corners.push((number, (others + group - 1) as u32));
+            }
+        }
+        let mut normals = sums.iter().map(|sum| direction(*sum).unwrap_or_default().as_vec3());
+        *value = normals.next().unwrap_or_default();
+        further.normals.extend(normals);
     }
 }
 
 /// The first corner of a group.
 fn first(corners: &mut [Corner], mut place: usize) -> usize {
-    while corners[place].parent != place {
+    while corners[place].group != place {
         // Path halving, for later searches.
-        corners[place].parent = corners[corners[place].parent].parent;
-        place = corners[place].parent;
+        corners[place].group = corners[corners[place].group].group;
+        place = corners[place].group;
     }
     place
-}
-
-/// Merges the groups of two corners.
-fn join(corners: &mut [Corner], one: usize, other: usize) {
-    let (one, other) = (first(corners, one), first(corners, other));
-    corners[one.max(other)].parent = one.min(other);
-}
-
-/// Finds the normal of each group, in the order of their first corners.
-fn sum_up(corners: &mut [Corner], value: &mut Vec3, further: &mut Further) {
-    for place in 0..corners.len() {
-        let group = first(corners, place);
-        let Corner { number, normal, weight, .. } = corners[place];
-        if group != place {
-            // Kept as sums in double precision until all are added.
-            corners[group].normal += normal * weight;
-        } else {
-            corners[group].normal = normal * weight;
-            if place > 0 {
-                corners[group].value = further.normals.len() as u32;
-                further.normals.push(Vec3::ZERO);
-            }
-        }
-        if group > 0 {
-            further.corners.push((number, corners[group].value));
-        }
-    }
-    for (place, corner) in corners.iter().enumerate().filter(|(place, c)| c.parent == *place) {
-        let normal = direction(corner.normal).unwrap_or_default().as_vec3();
-        match place {
-            0 => *value = normal,
-            _ => further.normals[corner.value as usize] = normal,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -433,7 +374,7 @@ mod tests {
         assert!(found[2][1].y < 0.0 && found[1][1].y > 0.0);
     }
 
-    /// Weights are angles, and vertices from everywhere in blocks of triangles change nothing.
+    /// Weights are angles, and triangles with vertices from everywhere change nothing.
     #[test]
     fn angles_are_close_and_the_order_of_triangles_does_not_matter() {
         let steps = (-1000..=1000).map(|i| f64::from(i) / 1000.0);
