@@ -28,12 +28,9 @@ pub(super) fn no_triangles() -> Error {
 /// Checks that `count` items of the kind `what` can be numbered.
 pub(super) fn check_count(what: &str, count: u64) -> Result<()> {
     if count > MAX_COUNT {
-        return Err(Error::new(
-            ErrorKind::Limit,
-            format!("a mesh can have at most {MAX_COUNT} {what}"),
-        )
-        .value(count)
-        .remedy("split the mesh into several files"));
+        let message = format!("a mesh can have at most {MAX_COUNT} {what}");
+        let error = Error::new(ErrorKind::Limit, message).value(count);
+        return Err(error.remedy("split the mesh into several files"));
     }
     Ok(())
 }

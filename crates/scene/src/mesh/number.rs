@@ -10,14 +10,12 @@
 //! The crate `fast-float2` gives the same bits and was measured slower: by 6 % for OBJ, by 12 % for
 //! text PLY.
 
-/// The powers of ten that double precision represents exactly.
-const POWERS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
-    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
-];
-
 /// Largest number of digits of an integer that is surely below 2^53.
 const DIGITS: usize = 15;
+
+/// The powers of ten up to it, which double precision represents exactly.
+const POWERS: [f64; DIGITS + 1] =
+    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 
 /// The bits of a double beyond those of a single, and the highest of them: half of a single's last
 /// place.

@@ -5,12 +5,10 @@
 //! process, the mapped pages count as used memory, and mapping needs `unsafe`.
 
 use std::fs::File;
-use std::io::{self, BufRead as _, BufReader, ErrorKind, Read};
+use std::io::{self, ErrorKind, Read};
 
 use rayon::prelude::*;
 
-use super::faults::read_failure;
-use wavecrest_base::error::Result;
 use wavecrest_base::progress;
 
 /// A source that can be read at any offset.
@@ -84,36 +82,16 @@ pub(super) fn part<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -
     bytes
 }
 
-/// A part of a file, read in sequence.
-pub(super) struct Section<'a> {
+/// A file, read in sequence.
+pub(super) struct Sequence<'a> {
     pub(super) file: &'a dyn ReadAt,
     pub(super) place: u64,
-    /// Exclusive.
-    pub(super) end: u64,
 }
 
-impl Read for Section<'_> {
+impl Read for Sequence<'_> {
     fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
-        let left = usize::try_from(self.end.saturating_sub(self.place)).unwrap_or(usize::MAX);
-        let most = left.min(to.len());
-        let count = self.file.read_at(&mut to[..most], self.place)?;
+        let count = self.file.read_at(to, self.place)?;
         self.place += count as u64;
         Ok(count)
     }
-}
-
-/// Passes the lines of a text to `take`, with their `end`; longer ones in parts of `longest` bytes.
-pub(super) fn each_line(
-    text: Section<'_>,
-    end: u8,
-    buffer: usize,
-    longest: u64,
-    mut take: impl FnMut(&[u8]) -> Result<()>,
-) -> Result<()> {
-    let (mut reader, mut line) = (BufReader::with_capacity(buffer, text), Vec::new());
-    while reader.by_ref().take(longest).read_until(end, &mut line).map_err(read_failure)? > 0 {
-        take(&line)?;
-        line.clear();
-    }
-    Ok(())
 }

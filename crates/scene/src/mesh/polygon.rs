@@ -43,16 +43,13 @@ impl Polygon {
     /// Its corners, from its fan.
     fn corners_of(self, triangles: &[[u32; 3]]) -> Vec<u32> {
         let fan = &triangles[self.range()];
-        let start = fan.first().map(|t| [t[0], t[1]]).into_iter().flatten();
-        start.chain(fan.iter().map(|t| t[2])).collect()
+        fan[0][..2].iter().copied().chain(fan.iter().map(|t| t[2])).collect()
     }
 }
 
 /// The triangles of the fan from the first of `corners`.
 pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
-    let (first, rest) = corners.split_at(corners.len().min(1));
-    let first = first.first().copied();
-    rest.windows(2).filter_map(move |pair| Some([first?, pair[0], pair[1]]))
+    (2..corners.len()).map(|i| [corners[0], corners[i - 1], corners[i]])
 }
 
 /// Replaces the wrong fans of `polygons`, in `triangles` and alike in the index arrays of
@@ -68,16 +65,13 @@ pub(super) fn split(
     // In batches, so that the replacements are never large compared with the mesh.
     for batch in polygons.chunks(SPLIT_AT_ONCE) {
         let fans = &*triangles;
-        let outcomes: Vec<(Polygon, FanOutcome)> = batch
+        let repaired: Vec<(Polygon, Vec<[u32; 3]>)> = batch
             .par_iter()
-            .map_init(Earcut::new, |earcut, &p| (p, repair(earcut, p, positions, fans)))
-            .filter(|(_, outcome)| !matches!(outcome, FanOutcome::KeepFan))
+            .map_init(Earcut::new, |earcut, &p| Some((p, repair(earcut, p, positions, fans)?)))
+            .flatten_iter()
             .collect();
-        for (polygon, outcome) in outcomes {
-            let FanOutcome::Replace(split) = outcome else {
-                too_large += 1;
-                continue;
-            };
+        for (polygon, split) in repaired {
+            too_large += usize::from(split.is_empty());
             rewrite(polygon, &split, triangles);
             let attributes = attributes.iter_mut().filter(|indices| !indices.is_empty());
             attributes.for_each(|indices| rewrite(polygon, &split, indices));
@@ -95,34 +89,23 @@ pub(super) fn split(
 /// Number of polygons split before triangles are written.
 const SPLIT_AT_ONCE: usize = 1 << 15;
 
-/// The outcome for the fan of a polygon.
-#[derive(Debug, PartialEq)]
-enum FanOutcome {
-    /// It is right, or no triangulation is better.
-    KeepFan,
-    /// It is wrong, but the polygon has too many corners.
-    TooLarge,
-    /// These triangles replace it. They count the corners of the polygon from 0.
-    Replace(Vec<[u32; 3]>),
-}
-
+/// The triangles in place of a polygon's fan, which count its corners from 0; empty if it has too many.
+/// `None` if the fan is right, or no triangulation is better.
 fn repair(
     earcut: &mut Earcut<f64>,
     polygon: Polygon,
     positions: &[Vec3],
     fans: &[[u32; 3]],
-) -> FanOutcome {
+) -> Option<Vec<[u32; 3]>> {
     let corners = polygon.corners_of(fans);
-    let Some(flat) = flatten(corners.iter().map(|&i| positions[i as usize].as_dvec3())) else {
-        return FanOutcome::KeepFan;
-    };
+    let flat = flatten(corners.iter().map(|&i| positions[i as usize].as_dvec3()))?;
     if fan(&flat).all(|t| orientation(t) > 0.0) {
-        return FanOutcome::KeepFan;
+        return None;
     }
     if corners.len() > MAX_EAR_CORNERS {
-        return FanOutcome::TooLarge;
+        return Some(Vec::new());
     }
-    cut_ears(earcut, &flat).map_or(FanOutcome::KeepFan, FanOutcome::Replace)
+    cut_ears(earcut, &flat)
 }
 
 /// The corners in the coordinate plane that the polygon faces most, counter-clockwise there. `None`

@@ -14,12 +14,14 @@
 //! Both forms may begin with `solid`. A file is binary if its length fits its count of triangles,
 //! or if it has a zero byte where a text has words.
 
+use std::io::{BufRead as _, BufReader, Read as _};
+
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::data::{MeshData, Read};
 use super::faults::{self, no_triangles, read_failure, syntax};
-use super::place::{self, ReadAt, Section, part};
+use super::place::{ReadAt, Sequence, part};
 use super::validate::{bad_position, is_good_position};
 use super::{join, number};
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -52,7 +54,7 @@ type StlTriangles = (Vec<[Vec3; 3]>, Vec<Error>);
 pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
     let (corners, notes) = match form(file, length)? {
         StlForm::Binary(head) => read_binary(file, &head, length, buffer)?,
-        StlForm::Text(end) => read_text(file, length, end, buffer)?,
+        StlForm::Text(end) => read_text(file, end, buffer)?,
     };
     if corners.is_empty() {
         return Err(no_triangles());
@@ -87,11 +89,7 @@ fn form(file: &dyn ReadAt, length: u64) -> Result<StlForm> {
         file.read_exact_at(&mut start, 0).map_err(read_failure)?;
         let end = memchr::memchr2(b'\r', b'\n', &start);
         let is_alone = |end: &usize| start[*end] == b'\r' && start.get(end + 1) != Some(&b'\n');
-        return Ok(StlForm::Text(if end.is_some_and(|end| is_alone(&end)) {
-            b'\r'
-        } else {
-            b'\n'
-        }));
+        return Ok(StlForm::Text(end.filter(is_alone).map_or(b'\n', |_| b'\r')));
     }
     if there < HEAD {
         let remedy = format!("begin it with \"solid\", or with a binary header of {HEAD} bytes");
@@ -170,23 +168,32 @@ fn read_part(file: &dyn ReadAt, first: usize, into: &mut [[Vec3; 3]]) -> Result<
     let mut has_attribute = false;
     for (i, (row, corners)) in bytes.chunks_exact(TRIANGLE).zip(into).enumerate() {
         for (k, to) in corners.iter_mut().enumerate() {
-            let read = corner(vector(row, VECTOR * (k + 1)));
-            *to = read.map_err(|e| e.at(format!("triangle {}", first + i)))?;
+            let number = |i: usize| part::<4, false>(row, VECTOR * (k + 1) + 4 * i);
+            let position = Vec3::from([0, 1, 2].map(|i| f32::from_le_bytes(number(i))));
+            *to = corner(position).map_err(|e| e.at(format!("triangle {}", first + i)))?;
         }
         has_attribute |= row[ATTRIBUTE..] != [0, 0];
     }
     Ok(has_attribute)
 }
 
-/// The three numbers of `row` at an offset.
-fn vector(row: &[u8], at: usize) -> Vec3 {
-    let number = |i: usize| f32::from_le_bytes(part::<4, false>(row, at + 4 * i));
-    Vec3::new(number(0), number(1), number(2))
-}
-
-fn read_text(file: &dyn ReadAt, length: u64, end: u8, buffer: usize) -> Result<StlTriangles> {
-    let mut text = Text::default();
-    each_line(file, (length, end), buffer, |line| text.line(line))?;
+/// Reads a text whose lines end in the byte `end`.
+fn read_text(file: &dyn ReadAt, end: u8, buffer: usize) -> Result<StlTriangles> {
+    let mut reader = BufReader::with_capacity(buffer, Sequence { file, place: 0 });
+    let (mut text, mut bytes, mut number) = (Text::default(), Vec::new(), 0_u64);
+    while reader.by_ref().take(LONGEST_LINE).read_until(end, &mut bytes).map_err(read_failure)? > 0
+    {
+        number += 1;
+        let line = bytes.strip_prefix(MARK).filter(|_| number == 1).unwrap_or(&bytes);
+        let taken = if line.len() as u64 == LONGEST_LINE && !line.ends_with(&[end]) {
+            let error = syntax(format!("a line can have at most {LONGEST_LINE} bytes"));
+            Err(error.remedy("check that the file is an STL file"))
+        } else {
+            text.line(&String::from_utf8_lossy(line))
+        };
+        taken.map_err(|error| error.at(format!("line {number}")))?;
+        bytes.clear();
+    }
     if !text.corners.is_empty() {
         let error = syntax("the last triangle is incomplete").value(text.corners.len());
         return Err(error.remedy("the file may be cut off"));
@@ -253,27 +260,6 @@ impl Text {
         self.corners.clear();
         check_count(self.triangles.len() as u64)
     }
-}
-
-/// Passes each line of a text of some `length` to `take`, and adds its number to errors.
-fn each_line(
-    file: &dyn ReadAt,
-    (length, end): (u64, u8),
-    buffer: usize,
-    mut take: impl FnMut(&str) -> Result<()>,
-) -> Result<()> {
-    let mut number = 0_u64;
-    place::each_line(Section { file, place: 0, end: length }, end, buffer, LONGEST_LINE, |line| {
-        number += 1;
-        let line = line.strip_prefix(MARK).filter(|_| number == 1).unwrap_or(line);
-        let taken = if line.len() as u64 == LONGEST_LINE && !line.ends_with(&[end]) {
-            let error = syntax(format!("a line can have at most {LONGEST_LINE} bytes"));
-            Err(error.remedy("check that the file is an STL file"))
-        } else {
-            take(&String::from_utf8_lossy(line))
-        };
-        taken.map_err(|error| error.at(format!("line {number}")))
-    })
 }
 
 #[cfg(test)]

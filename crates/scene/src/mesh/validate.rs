@@ -30,20 +30,14 @@ pub fn validate(mesh: &MeshData, file: &Path) -> Result<()> {
 fn check_all(mesh: &MeshData) -> Result<()> {
     check_count("vertices", mesh.positions.len() as u64)?;
     check_count("triangles", mesh.triangles.len() as u64)?;
-    check_positions(&mesh.positions)?;
+    if let Some(i) = find_first(&mesh.positions, |p| !is_good_position(*p)) {
+        return Err(bad_position(mesh.positions[i]).at(format!("vertex {i}")));
+    }
     check_indices("vertex", &mesh.triangles, mesh.positions.len(), false)?;
     check_attribute("normal", mesh, mesh.normals.as_ref())?;
     check_attribute("texture coordinate", mesh, mesh.uvs.as_ref())?;
     let Some(colors) = &mesh.colors else { return Ok(()) };
     check_length("colour", "vertices", colors.len(), mesh.positions.len())
-}
-
-/// Checks that every position is finite and not too large.
-pub(super) fn check_positions(positions: &[Vec3]) -> Result<()> {
-    match find_first(positions, |p| !is_good_position(*p)) {
-        Some(i) => Err(bad_position(positions[i]).at(format!("vertex {i}"))),
-        None => Ok(()),
-    }
 }
 
 /// Whether a vertex at `p` is valid.

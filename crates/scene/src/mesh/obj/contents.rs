@@ -1,6 +1,6 @@
 //! The contents of an OBJ text: of a piece, or of all pieces so far; and the corners of a face.
 
-use std::num::{IntErrorKind, ParseIntError};
+use std::num::IntErrorKind;
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -33,7 +33,8 @@ pub(super) struct LineCounts {
 }
 
 impl LineCounts {
-    fn add(&mut self, keyword: Keyword) {
+    fn add(&mut self, Statement { keyword, lines, .. }: Statement<'_>) {
+        self.lines += lines;
         if let Some(count) = self.values.get_mut(keyword as usize) {
             *count += 1;
         }
@@ -90,21 +91,18 @@ impl Contents {
         whole: Option<&LineCounts>,
     ) -> (LineCounts, Result<Self>) {
         let mut piece = Ok(Self { origin, ..Self::default() });
-        let mut corners = FaceCorners::default();
+        let mut corners = Default::default();
         let mut count = start.unwrap_or_default();
-        let before = count.lines;
-        let mut all = statements(text);
-        for statement in all.by_ref() {
+        for statement in statements(text) {
             let known = start.is_some().then_some(&count);
             // After a failure the rest of the piece is only counted.
             if let Ok(read) = &mut piece
                 && let Err(error) = read.statement(statement, known, whole, &mut corners)
             {
-                piece = Err(error.at(format!("line {}", before + statement.line + 1)));
+                piece = Err(error.at(format!("line {}", count.lines + 1)));
             }
-            count.add(statement.keyword);
+            count.add(statement);
         }
-        count.lines = before + all.lines;
         (count, piece)
     }
 
@@ -139,7 +137,7 @@ impl Contents {
         Statement { keyword, rest, .. }: Statement,
         count: Option<&LineCounts>,
         whole: Option<&LineCounts>,
-        corners: &mut FaceCorners,
+        corners: &mut [Vec<u32>; 3],
     ) -> Result<()> {
         match keyword {
             Keyword::Position => self.push_position(rest)?,
@@ -149,13 +147,13 @@ impl Contents {
             }
             Keyword::Normal => self.normals.push(Vec3::from(numbers::<3>(rest, 3, "vn")?.0)),
             Keyword::Face => {
-                corners.read(rest, count)?;
+                read_corners(rest, count, corners)?;
                 let beyond =
-                    |whole: &LineCounts| whole.first_beyond(corners.0.each_ref().map(|c| &c[..]));
+                    |whole: &LineCounts| whole.first_beyond(corners.each_ref().map(|c| &c[..]));
                 if let Some(error) = whole.and_then(beyond) {
                     return Err(error);
                 }
-                match corners.0[0].len() {
+                match corners[0].len() {
                     0..3 => self.too_few_corners += 1,
                     _ => self.push_face(corners),
                 }
@@ -187,7 +185,7 @@ impl Contents {
         Ok(())
     }
 
-    fn push_face(&mut self, FaceCorners(lists): &FaceCorners) {
+    fn push_face(&mut self, lists: &[Vec<u32>; 3]) {
         let (before, corners) = (self.indices[0].len(), lists[0].len());
         if corners > 3 {
             // A piece is in memory, so its triangles are fewer than 2^32; the sum over the pieces
@@ -270,28 +268,26 @@ fn numbers<'a, const N: usize>(
     Ok((numbers, rest))
 }
 
-/// The indices of a face's corners, a list for each of [`KINDS`]; [`NO_VALUE`] for none.
-#[derive(Debug, Default)]
-struct FaceCorners([Vec<u32>; 3]);
-
-impl FaceCorners {
-    /// Reads the corners of a face after `count` values; if the count is unknown, indices must not
-    /// count backward.
-    fn read(&mut self, mut rest: &[u8], count: Option<&LineCounts>) -> Result<()> {
-        self.0.iter_mut().for_each(Vec::clear);
-        while let Some(word) = first_word(rest) {
-            let (corner, length) = match quick(word) {
-                Some(found) => found,
-                None => {
-                    let length = word_length(word);
-                    (corner(&word[..length], count)?, length)
-                }
-            };
-            self.0.iter_mut().zip(corner).for_each(|(list, index)| list.push(index));
-            rest = &word[length..];
-        }
-        Ok(())
+/// Reads the indices of a face's corners after `count` values, a list for each of [`KINDS`]; [`NO_VALUE`]
+/// for none. If the count is unknown, indices must not count backward.
+fn read_corners(
+    mut rest: &[u8],
+    count: Option<&LineCounts>,
+    lists: &mut [Vec<u32>; 3],
+) -> Result<()> {
+    lists.iter_mut().for_each(Vec::clear);
+    while let Some(word) = first_word(rest) {
+        let (corner, length) = match quick(word) {
+            Some(found) => found,
+            None => {
+                let length = word_length(word);
+                (corner(&word[..length], count)?, length)
+            }
+        };
+        lists.iter_mut().zip(corner).for_each(|(list, index)| list.push(index));
+        rest = &word[length..];
     }
+    Ok(())
 }
 
 /// The corner at the start of `text`, and its length, if it has the common form: short numbers that
@@ -356,12 +352,12 @@ fn index(what: &str, number: i64, count: Option<u64>) -> Result<u32> {
 
 /// An integer with an optional sign. One too large for its type is too large for an index.
 fn whole_number(text: &[u8]) -> Option<i64> {
-    std::str::from_utf8(text).ok()?.parse().map_or_else(
-        |error: ParseIntError| match error.kind() {
+    match std::str::from_utf8(text).ok()?.parse() {
+        Ok(number) => Some(number),
+        Err(error) => match error.kind() {
             IntErrorKind::PosOverflow => Some(i64::MAX),
             IntErrorKind::NegOverflow => Some(i64::MIN),
             _ => None,
         },
-        Some,
-    )
+    }
 }

@@ -90,53 +90,39 @@ impl Keyword {
     }
 }
 
-/// A statement and its first line, counted from 0 at the start of the text.
+/// A statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Statement<'a> {
     pub(super) keyword: Keyword,
     /// The text after the keyword, including inner line ends and backslashes.
     pub(super) rest: &'a [u8],
-    pub(super) line: u64,
-}
-
-/// The statements of a text.
-#[derive(Clone, Debug)]
-pub(super) struct Statements<'a> {
-    text: &'a [u8],
-    /// The lines read so far.
+    /// Its number of lines.
     pub(super) lines: u64,
 }
 
 /// The statements of `text`.
-pub(super) fn statements(text: &[u8]) -> Statements<'_> {
-    Statements { text, lines: 0 }
-}
-
-impl<'a> Iterator for Statements<'a> {
-    type Item = Statement<'a>;
-
-    fn next(&mut self) -> Option<Statement<'a>> {
-        if self.text.is_empty() {
+pub(super) fn statements(mut text: &[u8]) -> impl Iterator<Item = Statement<'_>> {
+    std::iter::from_fn(move || {
+        if text.is_empty() {
             return None;
         }
-        let line = self.lines;
-        let (keyword, from) = keyword(self.text);
-        let mut end = 0;
+        let (keyword, from) = keyword(text);
+        let (mut end, mut lines) = (0, 0);
         loop {
             let start = end;
-            end += line_length(&self.text[start..]);
-            self.lines += 1;
+            end += line_length(&text[start..]);
+            lines += 1;
             let goes_on = keyword.may_go_on()
-                && ends_in_backslash(&self.text[..end])
-                && !self.text[start..end].contains(&b'#');
-            if !goes_on || end == self.text.len() {
+                && ends_in_backslash(&text[..end])
+                && !text[start..end].contains(&b'#');
+            if !goes_on || end == text.len() {
                 break;
             }
         }
-        let (statement, rest) = self.text.split_at(end);
-        self.text = rest;
-        Some(Statement { keyword, rest: &statement[from.min(end)..], line })
-    }
+        let (statement, rest) = text.split_at(end);
+        text = rest;
+        Some(Statement { keyword, rest: &statement[from.min(end)..], lines })
+    })
 }
 
 /// The length of the first line, including its end.

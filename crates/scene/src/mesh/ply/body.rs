@@ -28,7 +28,12 @@ pub(super) fn read<'a>(
         numbers.element = Some(element);
         body.element(element, &mut numbers)?;
     }
-    body.note_trailing(&mut numbers)?;
+    let bytes = numbers.trailing()?;
+    if bytes > 0 {
+        let note = syntax("there is more after the last element, which is ignored");
+        let note = note.at("end of the body").value(format_args!("{bytes} bytes"));
+        body.notes.push(note.remedy("check the counts in the header"));
+    }
     body.finish()
 }
 
@@ -71,7 +76,9 @@ impl RowKind {
     /// Whether a property is used.
     fn uses(&self, property: usize) -> bool {
         match self {
-            Self::Vertices { layout, .. } => layout.columns[property].is_some(),
+            Self::Vertices { layout, .. } => {
+                layout.sources.iter().flatten().any(|source| source.property == property)
+            }
             Self::Lists(ListLayout { property: list, uvs, texture, .. }) => {
                 [Some(*list), *uvs, *texture].contains(&Some(property))
             }
@@ -135,16 +142,6 @@ impl Body {
         Ok(1)
     }
 
-    fn note_trailing(&mut self, numbers: &mut Numbers<'_>) -> Result<()> {
-        let bytes = numbers.trailing()?;
-        if bytes > 0 {
-            let note = syntax("there is more after the last element, which is ignored");
-            let note = note.at("end of the body").value(format_args!("{bytes} bytes"));
-            self.notes.push(note.remedy("check the counts in the header"));
-        }
-        Ok(())
-    }
-
     fn finish(mut self) -> Result<(Read, NamedMaterials)> {
         check_count("triangles", self.faces.triangles.len() as u64)?;
         if self.faces.triangles.is_empty() {
@@ -159,12 +156,8 @@ impl Body {
             let warning = Error::new(ErrorKind::Mesh, message).value(self.longer_faces);
             self.notes.push(warning.remedy("these are ignored"));
         }
-        self.notes.extend(polygon::split(
-            &polygons,
-            &positions,
-            &mut triangles,
-            &mut [&mut of_uvs[..]],
-        ));
+        let attributes = &mut [&mut of_uvs[..]];
+        self.notes.extend(polygon::split(&polygons, &positions, &mut triangles, attributes));
         self.notes.extend(mend(&mut normals, &mut uvs, &mut colors));
         self.notes.extend(scale_byte_colors(&mut colors));
         self.notes.extend(mend(&mut [], &mut of_faces, &mut []));

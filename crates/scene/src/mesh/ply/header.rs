@@ -3,11 +3,9 @@
 //! Lines may end in CR LF, begin and end with blanks, be empty or be comments. A header is at most
 //! [`MAX_HEADER`] long, so that a large file without one is not read to its end.
 
-use std::io::Read as _;
-
 use crate::mesh::data::MAX_COUNT;
 use crate::mesh::faults::{check_count, read_failure, syntax};
-use crate::mesh::place::{ReadAt, Section};
+use crate::mesh::place::ReadAt;
 use crate::mesh::scalar::Scalar;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
@@ -90,10 +88,9 @@ impl Element {
 
 /// Reads up to the line `end_header`.
 pub(super) fn read(file: &dyn ReadAt, length: u64) -> Result<Header> {
-    let mut text = Vec::new();
-    let mut start = Section { file, place: 0, end: length.min(MAX_HEADER) };
-    start.read_to_end(&mut text).map_err(read_failure)?;
-    read_lines(&text)
+    let mut text = vec![0; length.min(MAX_HEADER) as usize];
+    let filled = file.fill_at(&mut text, 0).map_err(read_failure)?;
+    read_lines(&text[..filled])
 }
 
 fn read_lines(text: &[u8]) -> Result<Header> {
@@ -107,10 +104,9 @@ fn read_lines(text: &[u8]) -> Result<Header> {
         match words[..] {
             _ if lines == 1 => check_magic(line.trim())?,
             ["end_header"] => {
-                let encoding = encoding.ok_or_else(|| {
-                    syntax("the header has no format line")
-                        .remedy("add one, such as \"format ascii 1.0\"")
-                })?;
+                let missing = syntax("the header has no format line");
+                let remedy = "add one, such as \"format ascii 1.0\"";
+                let encoding = encoding.ok_or_else(|| missing.remedy(remedy))?;
                 return Ok(Header { encoding, elements, textures, bytes, lines });
             }
             ["comment", word, _, ..] if word.eq_ignore_ascii_case("TextureFile") => {
@@ -200,12 +196,9 @@ fn element(words: &[&str], line: u64, before: &[Element]) -> Result<Element> {
     }
     // Only digits, but too large for the type.
     let Ok(count) = digits.parse() else {
-        return Err(Error::new(
-            ErrorKind::Limit,
-            format!("an element can have at most {MAX_COUNT} rows"),
-        )
-        .value(digits)
-        .remedy("check the count"));
+        let message = format!("an element can have at most {MAX_COUNT} rows");
+        let error = Error::new(ErrorKind::Limit, message).value(digits);
+        return Err(error.remedy("check the count"));
     };
     check_count(&format!("rows of the element \"{name}\""), count)?;
     if before.iter().any(|e| e.name == *name) {
@@ -221,11 +214,9 @@ fn property(words: &[&str]) -> Result<Property> {
         }
         [kind, name] => (name, PropertyType::One(scalar(kind)?)),
         _ => {
-            return Err(syntax("a property needs a type and a name")
-                .value(words.join(" "))
-                .remedy(
-                    "write \"property float x\" or \"property list uchar int vertex_indices\"",
-                ));
+            let right = "write \"property float x\" or \"property list uchar int vertex_indices\"";
+            let error = syntax("a property needs a type and a name");
+            return Err(error.value(words.join(" ")).remedy(right));
         }
     };
     Ok(Property { name: (*name).to_owned(), shape })

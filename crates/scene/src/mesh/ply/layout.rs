@@ -28,9 +28,8 @@ const LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// The source of a number of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NumberSource {
-    /// The slot: 0 to 2 are the position, 3 to 5 the normal, 6 and 7 the texture coordinates, 8 to
-    /// 10 the colour.
-    pub(super) slot: usize,
+    /// The index of the property.
+    pub(super) property: usize,
     pub(super) kind: Scalar,
     /// Its offset in a binary row without lists.
     pub(super) offset: usize,
@@ -41,8 +40,9 @@ pub(super) struct NumberSource {
 /// The rows of the element `vertex`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct VertexLayout {
-    /// For each property its column, if it is used.
-    pub(super) columns: Vec<Option<NumberSource>>,
+    /// By slot: 0 to 2 are the position, 3 to 5 the normal, 6 and 7 the texture coordinates, 8 to 10 the
+    /// colour. The file has all of these or none.
+    pub(super) sources: [Option<NumberSource>; COLOR + 3],
     /// The length of a binary row, if it is constant.
     pub(super) stride: Option<usize>,
     /// Whether positions are in double precision.
@@ -51,51 +51,30 @@ pub(super) struct VertexLayout {
 
 impl VertexLayout {
     pub(super) fn of(element: &Element) -> Result<Self> {
-        let columns = vec![None; element.properties.len()];
-        let mut layout = Self { columns, stride: stride(&element.properties), is_double: false };
+        let mut sources = [None; COLOR + 3];
         for (first, names) in NAMES {
-            let all: Result<Option<Vec<usize>>> =
-                names.iter().map(|name| find(element, name)).collect();
-            let found = match all {
+            let all = names.iter().zip(first..).map(|(name, slot)| find(element, name, slot));
+            let found = match all.collect::<Result<Option<Vec<NumberSource>>>>() {
                 // Properties with these names that are not colours are skipped.
                 Err(_) if first == COLOR => None,
                 found => found.map_err(|error| error.at(place(element.line)))?,
             };
             match found {
-                Some(properties) if !layout.has(first) => layout.add(element, &properties, first),
+                Some(found) if sources[first].is_none() => {
+                    sources[first..].iter_mut().zip(found).for_each(|(to, own)| *to = Some(own));
+                }
                 None if first == 0 => return Err(no_position(element).at(place(element.line))),
                 _ => {}
             }
         }
-        layout.is_double = layout
-            .sources::<3>(0)
-            .is_some_and(|position| position.iter().all(|source| source.kind == Scalar::F64));
-        Ok(layout)
+        let is_double = sources[..NORMAL].iter().flatten().all(|own| own.kind == Scalar::F64);
+        Ok(Self { sources, stride: stride(&element.properties), is_double })
     }
 
-    /// Assigns the `properties` to the slots from `first` on.
-    fn add(&mut self, element: &Element, properties: &[usize], first: usize) {
-        for (slot, &p) in (first..).zip(properties) {
-            let PropertyType::One(kind) = element.properties[p].shape else { continue };
-            let offset = stride(&element.properties[..p]).unwrap_or(0);
-            let scale = scale(slot, kind);
-            self.columns[p] = Some(NumberSource { slot, kind, offset, scale });
-        }
-    }
-
-    /// Whether the file has the number of a slot.
-    pub(super) fn has(&self, slot: usize) -> bool {
-        self.columns.iter().flatten().any(|column| column.slot == slot)
-    }
-
-    /// The sources of `N` slots from `first` on, if the file has them.
+    /// The sources of the `N` slots from `first` on, if the file has them.
     pub(super) fn sources<const N: usize>(&self, first: usize) -> Option<[NumberSource; N]> {
-        let source = |slot| self.columns.iter().flatten().find(|c| c.slot == slot).copied();
-        let mut found = [source(first)?; N];
-        for (slot, found) in (first..).zip(&mut found) {
-            *found = source(slot)?;
-        }
-        Some(found)
+        let any = self.sources[first]?;
+        Some(std::array::from_fn(|i| self.sources[first + i].unwrap_or(any)))
     }
 
     /// The sources of the position, if it is in double precision.
@@ -106,10 +85,11 @@ impl VertexLayout {
     /// The layout of a row of only the used numbers, each as a double.
     pub(super) fn in_doubles(&self) -> Self {
         let (kind, size) = (Scalar::F64, size_of::<f64>());
-        let used = self.columns.iter().flatten().enumerate();
-        let columns: Vec<_> =
-            used.map(|(i, &c)| Some(NumberSource { kind, offset: i * size, ..c })).collect();
-        Self { stride: Some(columns.len() * size), columns, is_double: self.is_double }
+        let used = || self.sources.iter().flatten();
+        let before = |own: NumberSource| used().filter(|c| c.property < own.property).count();
+        let moved = |own| NumberSource { kind, offset: before(own) * size, ..own };
+        let sources = self.sources.map(|own| own.map(moved));
+        Self { sources, stride: Some(used().count() * size), is_double: self.is_double }
     }
 }
 
@@ -124,22 +104,23 @@ fn scale(slot: usize, kind: Scalar) -> f32 {
     }
 }
 
-/// The property with this name, if it exists: a single number, declared once.
-fn find(element: &Element, name: &str) -> Result<Option<usize>> {
+/// The source of a `slot` in the property with this name, if it exists: a single number, declared once.
+fn find(element: &Element, name: &str, slot: usize) -> Result<Option<NumberSource>> {
     let mut all = (0..element.properties.len())
         .filter(|&i| element.properties[i].name.eq_ignore_ascii_case(name));
-    let first = all.next();
+    let Some(property) = all.next() else { return Ok(None) };
     if all.next().is_some() {
         return Err(syntax("a vertex property is declared twice")
             .value(name)
             .remedy("rename one of the two"));
     }
-    match first.map(|i| element.properties[i].shape) {
-        Some(PropertyType::List { .. }) => Err(syntax("a vertex property must be a single number")
+    let PropertyType::One(kind) = element.properties[property].shape else {
+        return Err(syntax("a vertex property must be a single number")
             .value(format_args!("a list \"{name}\""))
-            .remedy(format!("declare it as \"property float {name}\""))),
-        _ => Ok(first),
-    }
+            .remedy(format!("declare it as \"property float {name}\"")));
+    };
+    let offset = stride(&element.properties[..property]).unwrap_or(0);
+    Ok(Some(NumberSource { property, kind, offset, scale: scale(slot, kind) }))
 }
 
 fn no_position(element: &Element) -> Error {
@@ -199,13 +180,13 @@ impl ListLayout {
         });
         match (lists.next(), lists.next()) {
             (Some(layout), None) => Ok(layout),
-            (found, _) => Err(syntax(format!(
-                "the element \"{}\" needs one list vertex_indices",
-                element.name
-            ))
-            .at(place(element.line))
-            .value(if found.is_some() { "two" } else { "none" })
-            .remedy("declare \"property list uchar int vertex_indices\"")),
+            (found, _) => {
+                let name = &element.name;
+                let error = syntax(format!("the element \"{name}\" needs one list vertex_indices"));
+                let error = error.value(if found.is_some() { "two" } else { "none" });
+                let right = "declare \"property list uchar int vertex_indices\"";
+                Err(error.at(place(element.line)).remedy(right))
+            }
         }
     }
 }

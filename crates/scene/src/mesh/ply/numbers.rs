@@ -179,9 +179,9 @@ impl<'a> Numbers<'a> {
         let is_over = self.encoding != BodyEncoding::Ascii
             || self.skip_while(|b| is_blank(b) && b != b'\n')?.is_none_or(|next| next == b'\n');
         if !is_over && !more_may_follow {
-            return Err(syntax("the line has too many values").remedy(
-                "declare every value of a line in the header, and put each element on its own line",
-            ));
+            let right =
+                "declare every value of a line in the header, and put each element on its own line";
+            return Err(syntax("the line has too many values").remedy(right));
         }
         if !is_over {
             self.skip_while(|b| b != b'\n')?;

@@ -34,7 +34,7 @@ type Destination<'a> = [&'a mut [f32]; 4];
 impl VertexArrays {
     /// Room for `count` vertices. The caller has checked the count against the size of the file.
     pub(super) fn new(count: usize, layout: &VertexLayout) -> Self {
-        let of = |first| if layout.has(first) { count } else { 0 };
+        let of = |first: usize| layout.sources[first].map_or(0, |_| count);
         Self {
             // The system provides zeroed pages, first touched by the thread that fills them: `vec!`
             // would write each vector twice.
