@@ -336,7 +336,7 @@ fn warn_of_up(object: &Object<'_>, up: DVec3, axis: DVec3) {
     let notes = object.cursor().notes();
     let place = format!("{}.up", object.cursor().path());
     let message = "is parallel to the view direction";
-    let error = notes.error(ErrorKind::Scene, &place, message.into()).value(up);
+    let error = notes.error(ErrorKind::Scene, &place, message).value(up);
     notes.warn(&error.remedy(format!("{axis} is used instead")));
 }
 

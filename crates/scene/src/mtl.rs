@@ -211,21 +211,18 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     // Where an image sets the colour, it sets that of the metal.
     let by_color = (is_metal && texture.is_some() && metallic > 0.0 && roughness < 1.0)
         .then_some(Map { texture: None, strength: 1.0, metallic, roughness });
+    let emission = mtl.ke.unwrap_or(DVec3::ZERO);
     let plain = Material {
         ks: if has_highlight { gloss } else { 0.0 },
         kd: (1.0 - kr) * (1.0 - kt),
         specular_exponent: exponent,
         diffuse_color: color,
         kr,
-        emission: mtl.ke.unwrap_or(DVec3::ZERO),
+        emission,
         ..Material::MATTE
     };
-    let material = match is_metal {
-        true => {
-            Material { emission: plain.emission, ..Material::metal(color, metallic, roughness) }
-        }
-        false => plain,
-    };
+    let metal = Material { emission, ..Material::metal(color, metallic, roughness) };
+    let material = if is_metal { metal } else { plain };
     let ior = mtl.ni.filter(|&ni| Transparency::IOR.contains(ni));
     let transparency = Transparency {
         opacity: if is_glass { 1.0 } else { d },

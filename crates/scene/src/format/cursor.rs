@@ -114,9 +114,15 @@ impl<'a> Cursor<'a> {
         self.place.to_string()
     }
 
-    /// The path as a chain of steps.
-    pub(crate) fn place(&self) -> &Place<'a> {
-        &self.place
+    /// The value of a `key`; null if it is not there.
+    pub(crate) fn under<'s>(&'s self, key: &'s str) -> Cursor<'s> {
+        let value = self.value.get(key).unwrap_or(&Value::Null);
+        Cursor::new(value, Place::Key(&self.place, key), self.notes)
+    }
+
+    /// An error about this place, without the value.
+    pub(crate) fn error_here(&self, message: impl Into<String>) -> Error {
+        self.notes.error(ErrorKind::Scene, &self.path(), message)
     }
 
     /// An error about this value, including the value.
@@ -126,7 +132,7 @@ impl<'a> Cursor<'a> {
 
     /// An error of a given kind about this value, including the value.
     pub(crate) fn error_of(&self, kind: ErrorKind, message: impl Into<String>) -> Error {
-        self.notes.error(kind, &self.path(), message.into()).value(brief(self.value))
+        self.notes.error(kind, &self.path(), message).value(brief(self.value))
     }
 
     /// Adds a warning about this value, including the value.
@@ -231,16 +237,9 @@ impl<'a> Cursor<'a> {
         what: &str,
         mut read: impl FnMut(Cursor<'_>) -> Result<T>,
     ) -> Result<Vec<T>> {
-        let items = self.array(what)?;
-        let mut parts = Ok(Vec::new());
-        for item in self.items(items) {
-            match (self.notes.part(|| read(item)), &mut parts) {
-                (Ok(part), Ok(parts)) => parts.push(part),
-                (Ok(_), Err(_)) => {}
-                (Err(error), _) => parts = Err(error),
-            }
-        }
-        parts
+        let items = self.items(self.array(what)?);
+        let parts: Vec<Result<T>> = items.map(|item| self.notes.part(|| read(item))).collect();
+        parts.into_iter().collect()
     }
 
     /// A list of exactly `N` points.

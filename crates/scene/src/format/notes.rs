@@ -47,7 +47,7 @@ impl<'a> Notes<'a> {
     }
 
     /// An error in this file at `place`.
-    pub(crate) fn error(&self, kind: ErrorKind, place: &str, message: String) -> Error {
+    pub(crate) fn error(&self, kind: ErrorKind, place: &str, message: impl Into<String>) -> Error {
         let error = Error::new(kind, message).in_file(self.file);
         if place.is_empty() { error } else { error.at(place) }
     }
@@ -65,12 +65,12 @@ impl<'a> Notes<'a> {
 
     /// Adds a warning about the value at `place`.
     pub(crate) fn note(&self, place: &str, message: &str, remedy: &str) {
-        self.warn(&self.error(ErrorKind::Scene, place, message.to_owned()).remedy(remedy));
+        self.warn(&self.error(ErrorKind::Scene, place, message).remedy(remedy));
     }
 
     /// Adds a note about what is left out at `place` without harm.
     pub(crate) fn leave_out(&self, place: &str, message: &str, remedy: &str) {
-        let error = self.error(ErrorKind::Scene, place, message.to_owned()).remedy(remedy);
+        let error = self.error(ErrorKind::Scene, place, message).remedy(remedy);
         self.harmless.borrow_mut().add_error(&error);
     }
 

@@ -9,7 +9,7 @@ use super::field::Field;
 use super::keys::{Absent, Declaration, Key, Kind, Object, TYPE, Variants};
 use super::related::related;
 use super::writer::Writer;
-use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+use wavecrest_base::error::{Error, Result, did_you_mean};
 
 impl<'a> Cursor<'a> {
     /// The value as an object with the keys of its `kind`.
@@ -58,8 +58,8 @@ impl<'a> Object<'a> {
     }
 
     fn value_of(&self, key: &Key) -> Option<Cursor<'_>> {
-        let (name, value) = key.names().find_map(|name| Some((name, self.map.get(name)?)))?;
-        Some(Cursor::new(value, Place::Key(self.cursor.place(), name), self.cursor.notes()))
+        let name = key.names().find(|name| self.map.contains_key(*name))?;
+        Some(self.cursor.under(name))
     }
 
     /// Whether a key of this kind is set.
@@ -97,8 +97,7 @@ impl<'a> Object<'a> {
     }
 
     fn missing(&self, key: &'static str, what: &str) -> Error {
-        let place = Place::Key(self.cursor.place(), key).to_string();
-        let error = self.cursor.notes().error(ErrorKind::Scene, &place, "is missing".into());
+        let error = self.cursor.under(key).error_here("is missing");
         let mut names = self.kind.key(key).into_iter().flat_map(|key| key.names());
         let theirs = || self.unknown_keys().find(|other| related(other) == Some(key));
         match names.find_map(|name| did_you_mean(name, self.unknown_keys())) {
@@ -122,10 +121,8 @@ impl<'a> Object<'a> {
         for key in self.kind.all_keys().filter(has_others) {
             let given: Vec<_> = key.names().filter(|name| self.map.contains_key(*name)).collect();
             if let [first, other, ..] = given[..] {
-                let place = Place::Key(self.cursor.place(), other);
-                let second = Cursor::new(&self.map[other], place, notes);
-                let error =
-                    second.error(format!("means the same as {first:?}, which is also given"));
+                let message = format!("means the same as {first:?}, which is also given");
+                let error = self.cursor.under(other).error(message);
                 notes.fail(error.remedy(format!("keep {first:?} or {other:?}, not both")));
             }
             if key.is_idle(self.map) {
@@ -135,9 +132,8 @@ impl<'a> Object<'a> {
             }
         }
         for key in self.unknown_keys() {
-            let place = Place::Key(self.cursor.place(), key);
-            let cursor = Cursor::new(&self.map[key], place, notes);
-            let error = cursor.error(format!("is not a key of {}", self.kind.name));
+            let message = format!("is not a key of {}", self.kind.name);
+            let error = self.cursor.under(key).error(message);
             notes.warn_or_fail(error.remedy(self.advice(key)));
         }
     }

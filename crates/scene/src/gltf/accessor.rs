@@ -90,13 +90,13 @@ impl Storage {
 
     /// Bytes of all buffers.
     pub(super) fn len(&self) -> usize {
-        self.buffers.iter().map(Buffer::len).sum()
+        self.buffers.iter().map(|buffer| buffer.bytes().len()).sum()
     }
 
     /// The bytes of a view.
     pub(super) fn bytes(&self, view: usize) -> &[u8] {
-        let view = &self.views[view];
-        view.bytes(&self.buffers[view.buffer])
+        let BufferView { buffer, range, .. } = &self.views[view];
+        &self.buffers[*buffer].bytes()[range.clone()]
     }
 
     /// The elements of an accessor.
@@ -200,7 +200,7 @@ fn sparse(
         .filter_map(|i| component.number(bytes.get(at.offset + i * at.stride..)?))
         .map(|index| index as u32)
         .collect();
-    let rises = which.windows(2).all(|pair| pair[0] < pair[1]);
+    let rises = which.is_sorted_by(|a, b| a < b);
     if !rises || which.last().is_some_and(|&last| u64::from(last) >= count) {
         let error =
             indices.error(format!("must increase, and stay below the accessor's count of {count}"));
@@ -232,13 +232,12 @@ impl Elements<'_> {
     }
 
     fn bytes_of(&self, i: usize) -> Option<&[u8]> {
-        let (bytes, rows, i) = match &self.accessor.sparse {
-            Some(sparse) => match u32::try_from(i).map(|i| sparse.which.binary_search(&i)) {
-                Ok(Ok(at)) => (self.values?, &sparse.values, at),
-                _ => (self.rows?, self.accessor.rows.as_ref()?, i),
-            },
-            None => (self.rows?, self.accessor.rows.as_ref()?, i),
-        };
+        let changed = self.accessor.sparse.as_ref().and_then(|sparse| {
+            let at = sparse.which.binary_search(&u32::try_from(i).ok()?).ok()?;
+            Some((self.values?, &sparse.values, at))
+        });
+        let own = || Some((self.rows?, self.accessor.rows.as_ref()?, i));
+        let (bytes, rows, i) = changed.or_else(own)?;
         bytes.get(rows.offset + i * rows.stride..)
     }
 

@@ -31,9 +31,8 @@ impl Buffer {
         Self::part(Arc::new(bytes), range)
     }
 
-    /// How many bytes it has.
-    pub(super) fn len(&self) -> usize {
-        self.range.len()
+    pub(super) fn bytes(&self) -> &[u8] {
+        &self.bytes[self.range.clone()]
     }
 
     /// Reads an element of `buffers`. The first one without a URI is the `binary` chunk of a GLB file.
@@ -54,9 +53,8 @@ impl Buffer {
         let there = found.range.len();
         let Some(range) = within(0, length, there) else {
             let error = fields.error_at("byteLength", "the length of the buffer is wrong");
-            return Err(
-                error.remedy(format!("there are {there} bytes; check that its file is whole"))
-            );
+            let remedy = format!("there are {there} bytes; check that its file is whole");
+            return Err(error.remedy(remedy));
         };
         found.range.end = found.range.start + range.len();
         Ok(found)
@@ -107,12 +105,6 @@ impl BufferView {
             return Err(fields.error_at("byteStride", message));
         }
         Ok(Self { buffer, range, stride: stride.map(|stride| stride as usize) })
-    }
-
-    /// Its bytes in its `buffer`.
-    pub(super) fn bytes<'b>(&self, buffer: &'b Buffer) -> &'b [u8] {
-        let bytes = &buffer.bytes[buffer.range.clone()];
-        bytes.get(self.range.clone()).unwrap_or(&[])
     }
 }
 

@@ -82,11 +82,8 @@ impl PlacedCamera<'_> {
         let Self { camera: Camera { path, lens, aspect, .. }, world, .. } = self;
         let axes = [world.matrix3.z_axis, world.matrix3.y_axis].map(direction);
         let [Some(back), Some(up)] = axes else {
-            let error = notes.error(
-                ErrorKind::Scene,
-                path,
-                "the transform of the camera's node has a scale of 0".to_owned(),
-            );
+            let message = "the transform of the camera's node has a scale of 0";
+            let error = notes.error(ErrorKind::Scene, path, message);
             return Err(error.remedy("give the node a scale other than 0"));
         };
         let view = staging::view(options, *aspect)?;
@@ -155,8 +152,7 @@ fn not_there(asked: &str, all: &[PlacedCamera<'_>], notes: &Notes<'_>) -> Error 
     if all.len() > MOST_LISTED {
         names.push("...".to_owned());
     }
-    let error = notes.error(ErrorKind::Usage, "", "the scene has no such camera".to_owned());
-    let error = error.value(asked);
+    let error = notes.error(ErrorKind::Usage, "", "the scene has no such camera").value(asked);
     if names.is_empty() {
         return error.remedy("the file has no cameras; leave out --camera to use the default");
     }

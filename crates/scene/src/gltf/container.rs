@@ -35,8 +35,7 @@ pub(super) fn parts(bytes: &[u8]) -> Result<GlbParts> {
     if !matches!(text.first(), Some(b'{' | b'[')) {
         let error =
             broken("a file must begin with \"{\", as JSON does, or with \"glTF\", as GLB does");
-        return Err(error
-            .value(bytes.iter().take(MAGIC.len()).copied().collect::<Vec<u8>>().escape_ascii()));
+        return Err(error.value(bytes[..bytes.len().min(MAGIC.len())].escape_ascii()));
     }
     Ok((0..bytes.len(), None))
 }
@@ -96,8 +95,7 @@ fn chunk(bytes: &[u8], start: usize) -> Result<([u8; 4], Range<usize>)> {
 
 /// The little-endian number at an offset.
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
-    let found = bytes.get(at..at + 4)?;
-    found.try_into().ok().map(u32::from_le_bytes)
+    bytes.get(at..)?.first_chunk().map(|bytes| u32::from_le_bytes(*bytes))
 }
 
 fn place(byte: usize) -> String {

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde_json::Value;
 
 use crate::format::{Cursor, Notes, Place, Range};
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::{Error, Result};
 
 /// The largest count or offset: JSON numbers are exact up to 2^53.
 const GREATEST_COUNT: f64 = 9_007_199_254_740_992.0;
@@ -47,16 +47,13 @@ impl<'a> Fields<'a> {
 
     /// The value of `key`, if it is there.
     pub(super) fn get<'s>(&'s self, key: &'s str) -> Option<Cursor<'s>> {
-        let value = self.cursor.value().get(key)?;
-        Some(Cursor::new(value, Place::Key(self.cursor.place(), key), self.cursor.notes()))
+        self.cursor.value().get(key).map(|_| self.cursor.under(key))
     }
 
     /// The value of the required `key`; `what` describes it.
     pub(super) fn need<'s>(&'s self, key: &'s str, what: &str) -> Result<Cursor<'s>> {
         self.get(key).ok_or_else(|| {
-            let place = Place::Key(self.cursor.place(), key).to_string();
-            let kind = ErrorKind::Scene;
-            let error = self.cursor.notes().error(kind, &place, "is missing".to_owned());
+            let error = self.cursor.under(key).error_here("is missing");
             error.remedy(format!("it should be {what}"))
         })
     }
@@ -214,15 +211,12 @@ impl<'a> Fields<'a> {
 
     /// An error about the object, without showing it: it may be long.
     pub(super) fn error(&self, message: impl Into<String>) -> Error {
-        let kind = ErrorKind::Scene;
-        self.cursor.notes().error(kind, &self.path(), message.into())
+        self.cursor.error_here(message)
     }
 
     /// An error about the value of a `key`.
     pub(super) fn error_at(&self, key: &str, message: impl Into<String>) -> Error {
-        let value = self.cursor.value().get(key).unwrap_or(&Value::Null);
-        let place = Place::Key(self.cursor.place(), key);
-        Cursor::new(value, place, self.cursor.notes()).error(message)
+        self.cursor.under(key).error(message)
     }
 }
 

@@ -156,15 +156,13 @@ impl LightSource {
 
     /// A light that is not a mesh.
     pub(super) fn of(light: &EntityBuilder) -> Self {
-        let around = (DVec3::ZERO, -1.0);
         let cone = |spot: &Spot| (spot.direction, libm::cos(spot.outer_degrees.to_radians()));
-        let spot = light.get::<&Spot>().map_or(around, cone);
-        let (position, color, (axis, least)) =
-            match (light.get::<&PointLight>(), light.get::<&DirectionalLight>()) {
-                (Some(light), _) => (Some(light.position), light.intensity * light.color, spot),
-                (None, Some(sun)) => (None, sun.intensity * sun.color, (sun.direction, -1.0)),
-                (None, None) => (None, DVec3::ZERO, around),
-            };
+        let spot = light.get::<&Spot>().map_or((DVec3::ZERO, -1.0), cone);
+        let point = light.get::<&PointLight>();
+        let point = point.map(|own| (Some(own.position), own.intensity * own.color, spot));
+        let sun = light.get::<&DirectionalLight>();
+        let sun = sun.map(|own| (None, own.intensity * own.color, (own.direction, -1.0)));
+        let (position, color, (axis, least)) = point.or(sun).unwrap_or_default();
         Self { strength: color.max_element(), position, axis, least, nearest: 0.0 }
     }
 

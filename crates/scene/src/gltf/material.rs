@@ -92,10 +92,8 @@ impl MetallicRoughness {
         let specular = model.vector_or("specularFactor", Range::UNIT, DVec3::ONE)?;
         let has_map = model.get("specularGlossinessTexture").is_some();
         if has_map {
-            model.warn(
-                "the texture of specular and gloss is ignored",
-                "it scatters its diffuse colour",
-            );
+            let message = "the texture of specular and gloss is ignored";
+            model.warn(message, "it scatters its diffuse colour");
         }
         let is_metal = !has_map && specular.max_element() > diffuse.max_element().max(DIELECTRIC);
         let gloss = model.number_or("glossinessFactor", Range::UNIT, 1.0)?;

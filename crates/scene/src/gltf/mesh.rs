@@ -102,8 +102,11 @@ impl<'a> PrimitiveReader<'a> {
         let Some(index) = primitive.indices else {
             // Without positions in the file, at most as many as it has bytes: see `Accessor::read`.
             self.pay(primitive, self.accessor(primitive.attributes["POSITION"]), count)?;
-            let all = u32::try_from(count).map_err(|_| too_many(&primitive.path, count))?;
-            return Ok((0..all).collect());
+            let all = u32::try_from(count).map_err(|_| {
+                let error = Error::new(ErrorKind::Limit, "a mesh has too many vertices");
+                error.at(&*primitive.path).value(count).remedy("split the mesh into several")
+            });
+            return Ok((0..all?).collect());
         };
         let accessor = self.accessor(index);
         if !is_index(accessor.component) || accessor.width != 1 || accessor.normalized {
@@ -156,7 +159,9 @@ impl<'a> PrimitiveReader<'a> {
     }
 
     fn positions(&mut self, vertices: &Vertices<'_>) -> Result<Vec<Vec3>> {
-        let points = self.attribute(vertices, "POSITION", (3, &SIGNED[..1]), vec3)?;
+        let points = self.attribute(vertices, "POSITION", (3, &SIGNED[..1]), |p| {
+            DVec3::from_array(p).as_vec3()
+        })?;
         let points = points.unwrap_or_default();
         let Some(bad) = points.iter().position(|p| !is_good_position(*p)) else {
             return Ok(points);
@@ -170,7 +175,8 @@ impl<'a> PrimitiveReader<'a> {
         let types = if self.document.is_quantized { SIGNED } else { &SIGNED[..1] };
         let values = self.attribute(vertices, "NORMAL", (3, types), |normal| {
             // A zero vector is an unknown normal.
-            Some(vec3(normal)).filter(|normal| normal.is_finite()).unwrap_or(Vec3::ZERO)
+            let normal = DVec3::from_array(normal).as_vec3();
+            if normal.is_finite() { normal } else { Vec3::ZERO }
         })?;
         if values.as_ref().is_some_and(|values| values.contains(&Vec3::ZERO)) {
             let message = "some normals are zero or not finite";
@@ -214,17 +220,8 @@ impl<'a> PrimitiveReader<'a> {
     }
 
     fn error(&self, place: &str, message: &str) -> Error {
-        self.notes.error(ErrorKind::Mesh, place, message.to_owned())
+        self.notes.error(ErrorKind::Mesh, place, message)
     }
-}
-
-fn vec3([x, y, z]: [f64; 3]) -> Vec3 {
-    Vec3::new(x as f32, y as f32, z as f32)
-}
-
-fn too_many(path: &str, count: usize) -> Error {
-    let error = Error::new(ErrorKind::Limit, "a mesh has too many vertices").at(path).value(count);
-    error.remedy("split the mesh into several")
 }
 
 /// The corners renumbered to omit unused vertices, and the used vertices, if most are unused:

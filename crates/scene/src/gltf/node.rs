@@ -113,7 +113,10 @@ pub(super) fn placed(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<PlacedNode>
                 continue;
             }
             let world = parent * nodes[node].local;
-            check_place(top, node, &world)?;
+            if !is_place(&world) {
+                let message = "the combined transform of the node and its parents is too large";
+                return Err(at(top, node, message).value(format!("{:e}", greatest(&world))));
+            }
             found.push(PlacedNode { node, world });
             left.extend(nodes[node].children.iter().rev().map(|&node| PlacedNode { node, world }));
         }
@@ -146,9 +149,8 @@ fn check_circles(top: &Fields<'_>, nodes: &[Node]) -> Result<()> {
             (false, _) => is_sound[node] = Some(true),
             (true, Some(true)) => {}
             (true, Some(false)) => {
-                let message = "the node is its own descendant".to_owned();
-                return Err(at(top, &format!("nodes[{node}]"), message)
-                    .remedy("remove it from the children of its descendants"));
+                let error = at(top, node, "the node is its own descendant");
+                return Err(error.remedy("remove it from the children of its descendants"));
             }
             (true, None) => {
                 is_sound[node] = Some(false);
@@ -160,17 +162,8 @@ fn check_circles(top: &Fields<'_>, nodes: &[Node]) -> Result<()> {
     Ok(())
 }
 
-fn at(top: &Fields<'_>, place: &str, message: String) -> Error {
-    top.cursor.notes().error(ErrorKind::Scene, place, message)
-}
-
-fn check_place(top: &Fields<'_>, node: usize, world: &DAffine3) -> Result<()> {
-    if is_place(world) {
-        return Ok(());
-    }
-    let greatest = greatest(world);
-    let message = "the combined transform of the node and its parents is too large";
-    Err(at(top, &format!("nodes[{node}]"), message.to_owned()).value(format!("{greatest:e}")))
+fn at(top: &Fields<'_>, node: usize, message: &str) -> Error {
+    top.cursor.notes().error(ErrorKind::Scene, &format!("nodes[{node}]"), message)
 }
 
 /// The quaternion that turns nothing.

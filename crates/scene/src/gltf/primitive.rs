@@ -59,14 +59,13 @@ impl Primitive {
             fields.warn("points and lines are left out", "only triangles are read");
         }
         let own = fields.need_object("attributes", "attributes")?;
-        let names = own.cursor.value().as_object().map(|map| map.keys().cloned());
         let mut attributes = BTreeMap::new();
-        for name in names.into_iter().flatten() {
-            let accessor = own.need_index(&name, "accessors")?;
+        for name in own.cursor.value().as_object().into_iter().flat_map(|map| map.keys()) {
+            let accessor = own.need_index(name, "accessors")?;
             if name.starts_with("COLOR_") && name != COLORS {
                 fields.warn("further vertex colours are ignored", "only COLOR_0 is used");
             }
-            attributes.insert(name, accessor);
+            attributes.insert(name.clone(), accessor);
         }
         Ok(Self {
             path: fields.path(),

@@ -107,7 +107,7 @@ fn check_lights(primitives: &[Spawned], notes: &Notes<'_>) -> Result<()> {
     if all <= MOST_LIGHT_TRIANGLES {
         return Ok(());
     }
-    let message = "emissive meshes have too many triangles".to_owned();
+    let message = "emissive meshes have too many triangles";
     let error = notes.error(ErrorKind::Limit, "materials", message).value(all);
     Err(error.remedy(format!("use at most {MOST_LIGHT_TRIANGLES}, or set emissiveFactor to 0")))
 }
@@ -143,11 +143,22 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<Spawned> {
             }
         };
         for (path, world) in places {
-            let node = NodeUse { path, name: document.nodes[*node].name.clone(), world };
-            add_uses(&mut primitives[numbers.clone()], &node);
+            for primitive in &mut primitives[numbers.clone()] {
+                let path = match numbers.len() {
+                    1 => path.clone(),
+                    _ => format!("{path}, {}", primitive.path),
+                };
+                let name = document.nodes[*node].name.clone();
+                primitive.uses.push(NodeUse { path, name, world });
+            }
         }
     }
-    check_unused(document, &known, &mut reader, notes);
+    // Errors are also reported in meshes that no node of the scene shows.
+    for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
+        let message = "the mesh is not used";
+        notes.leave_out(&format!("meshes[{mesh}]"), message, "no node of the scene refers to it");
+        read(document, mesh, &mut reader, notes, &mut Vec::new());
+    }
     if primitives.is_empty() {
         let (message, remedy) = match is_left_out(document) {
             true => (
@@ -200,30 +211,6 @@ fn is_left_out(document: &Document) -> bool {
     materials.any(|material| document.materials[material].threshold().is_none())
 }
 
-/// Adds a node to the uses of the primitives of its mesh.
-fn add_uses(primitives: &mut [Spawned], node: &NodeUse) {
-    let is_only = primitives.len() == 1;
-    for primitive in primitives {
-        let NodeUse { path, .. } = node;
-        let path = if is_only { path.clone() } else { format!("{path}, {}", primitive.path) };
-        primitive.uses.push(NodeUse { path, ..node.clone() });
-    }
-}
-
-/// Errors are also reported in meshes that no node of the scene shows.
-fn check_unused(
-    document: &Document,
-    known: &[Option<Range<usize>>],
-    reader: &mut PrimitiveReader<'_>,
-    notes: &Notes<'_>,
-) {
-    for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
-        let message = "the mesh is not used";
-        notes.leave_out(&format!("meshes[{mesh}]"), message, "no node of the scene refers to it");
-        read(document, mesh, reader, notes, &mut Vec::new());
-    }
-}
-
 /// Reads the primitives of a mesh, and records their errors.
 fn read(
     document: &Document,
@@ -238,11 +225,8 @@ fn read(
         let (texture, maps, set) = textures(document, surface, notes);
         let Some(threshold) = surface.threshold() else {
             let message = "an invisible surface is left out";
-            notes.leave_out(
-                &primitive.path,
-                message,
-                "its alpha is 0 or below the cutoff everywhere",
-            );
+            let remedy = "its alpha is 0 or below the cutoff everywhere";
+            notes.leave_out(&primitive.path, message, remedy);
             continue;
         };
         let uses_alpha = threshold > 0.0 || surface.blends;

@@ -28,7 +28,6 @@ pub(super) struct Spawned {
 }
 
 /// A node that shows a primitive.
-#[derive(Clone)]
 pub(super) struct NodeUse {
     pub(super) path: String,
     pub(super) name: Option<String>,

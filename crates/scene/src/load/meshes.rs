@@ -95,7 +95,7 @@ fn complete_light(
         insert(world, light, mesh);
     }
     match world.get::<&Mesh>(light).is_ok_and(|mesh| !mesh.has_area()) {
-        true => Err(notes.error(ErrorKind::Scene, &place, "a light must have an area".to_owned())),
+        true => Err(notes.error(ErrorKind::Scene, &place, "a light must have an area")),
         false => Ok(()),
     }
 }
