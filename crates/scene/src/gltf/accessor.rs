@@ -131,11 +131,6 @@ impl Accessor {
         let normalized = fields.flag("normalized")? && component != Scalar::F32;
         Ok(Self { rows, sparse, count, component, width, normalized })
     }
-
-    /// Bytes needed to read `count` elements.
-    pub(super) fn cost(&self, count: usize) -> u64 {
-        (count as u64).saturating_mul((self.component.size() * self.width) as u64)
-    }
 }
 
 /// Number of elements that may be zeros in any file.

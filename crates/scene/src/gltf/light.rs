@@ -39,11 +39,8 @@ const LARGEST_ANGLE: f64 = 2.0 * PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum LightKind {
     Point,
-    /// With half angles in radians.
-    Spot {
-        inner: f64,
-        outer: f64,
-    },
+    /// With its inner and outer half angle, in radians.
+    Spot([f64; 2]),
     Sun,
 }
 
@@ -95,8 +92,8 @@ impl Light {
         entity.add(JsonPath(path));
         match kind {
             LightKind::Point => entity.add(light),
-            LightKind::Spot { inner, outer } => {
-                let [inner_degrees, outer_degrees] = [inner, outer].map(degrees);
+            LightKind::Spot(angles) => {
+                let [inner_degrees, outer_degrees] = angles.map(degrees);
                 let spot = Spot { direction: direction()?, inner_degrees, outer_degrees };
                 entity.add(light).add(spot)
             }
@@ -121,7 +118,7 @@ fn spot(fields: &Fields<'_>) -> Result<LightKind> {
             .map_or(Ok(default), |own| own.number_or(key, Range::new(0.0, LARGEST_ANGLE), default))
     };
     let outer = angle("outerConeAngle", USUAL)?.min(WIDEST);
-    Ok(LightKind::Spot { inner: angle("innerConeAngle", 0.0)?.min(outer), outer })
+    Ok(LightKind::Spot([angle("innerConeAngle", 0.0)?.min(outer), outer]))
 }
 
 /// In degrees; in single precision a right angle may be slightly larger.

@@ -88,7 +88,9 @@ impl<'a> PrimitiveReader<'a> {
 
     /// Checks that `count` elements may be read, and counts them.
     fn pay(&mut self, primitive: &Primitive, accessor: &Accessor, count: usize) -> Result<()> {
-        let left = self.left.checked_sub(accessor.cost(count)).ok_or_else(|| {
+        let cost =
+            (count as u64).saturating_mul((accessor.component.size() * accessor.width) as u64);
+        let left = self.left.checked_sub(cost).ok_or_else(|| {
             self.error(&primitive.path, "the accessors of the file overlap too much")
                 .remedy("store the data of each mesh once, or use one mesh in several nodes")
         });

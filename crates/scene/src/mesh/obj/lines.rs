@@ -83,12 +83,8 @@ pub(super) enum Keyword {
     Other,
 }
 
-impl Keyword {
-    /// Whether a backslash at the end of the line continues it.
-    fn may_go_on(&self) -> bool {
-        matches!(self, Self::Position | Self::Uv | Self::Normal | Self::Face)
-    }
-}
+/// The statements that a backslash at the end of a line continues.
+const LONG: [Keyword; 4] = [Keyword::Position, Keyword::Uv, Keyword::Normal, Keyword::Face];
 
 /// A statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,14 +103,14 @@ pub(super) fn statements(mut text: &[u8]) -> impl Iterator<Item = Statement<'_>>
             return None;
         }
         let (keyword, from) = keyword(text);
+        let may_go_on = LONG.contains(&keyword);
         let (mut end, mut lines) = (0, 0);
         loop {
             let start = end;
             end += line_length(&text[start..]);
             lines += 1;
-            let goes_on = keyword.may_go_on()
-                && ends_in_backslash(&text[..end])
-                && !text[start..end].contains(&b'#');
+            let goes_on =
+                may_go_on && ends_in_backslash(&text[..end]) && !text[start..end].contains(&b'#');
             if !goes_on || end == text.len() {
                 break;
             }

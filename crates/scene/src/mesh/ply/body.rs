@@ -73,16 +73,16 @@ impl RowKind {
         })
     }
 
-    /// Whether a property is used.
-    fn uses(&self, property: usize) -> bool {
+    /// The used properties.
+    fn used(&self) -> Vec<usize> {
         match self {
             Self::Vertices { layout, .. } => {
-                layout.sources.iter().flatten().any(|source| source.property == property)
+                layout.sources.iter().flatten().map(|source| source.property).collect()
             }
-            Self::Lists(ListLayout { property: list, uvs, texture, .. }) => {
-                [Some(*list), *uvs, *texture].contains(&Some(property))
+            &Self::Lists(ListLayout { property, uvs, texture, .. }) => {
+                [Some(property), uvs, texture].into_iter().flatten().collect()
             }
-            Self::Other => false,
+            Self::Other => Vec::new(),
         }
     }
 }
@@ -97,11 +97,15 @@ impl Body {
         if let RowKind::Vertices { layout, .. } = &kind {
             self.vertices = VertexArrays::new(self.vertex_count, layout);
         }
+        let used = kind.used();
+        self.row.used = (0..element.properties.len()).map(|i| used.contains(&i)).collect();
         let mut index = 0;
         while index < element.count {
-            index += self
-                .rows(&kind, element, index, numbers)
-                .map_err(|error| located(error, element, index, numbers))?;
+            let rows = self.rows(&kind, element, index, numbers);
+            index += rows.map_err(|error| {
+                let line = numbers.line().map_or(String::new(), |line| format!(" (line {line})"));
+                error.at(format!("{} {index}{line}", element.name))
+            })?;
         }
         Ok(())
     }
@@ -128,7 +132,7 @@ impl Body {
         if many > 0 {
             return Ok(many);
         }
-        numbers.row(element, |property| kind.uses(property), &mut self.row)?;
+        numbers.row(&mut self.row)?;
         // Some programs write colours of corners at the end of faces, and declare those of faces.
         let is_longer = numbers.end_row(matches!(kind, RowKind::Lists(_)))?;
         self.longer_faces += u64::from(is_longer);
@@ -184,12 +188,6 @@ impl Body {
         };
         Ok(((mesh, self.notes), images))
     }
-}
-
-/// The `error` of a row of an element, with the row and, in a text, the line.
-fn located(error: Error, element: &Element, index: u64, numbers: &Numbers<'_>) -> Error {
-    let line = numbers.line().map_or(String::new(), |line| format!(" (line {line})"));
-    error.at(format!("{} {index}{line}", element.name))
 }
 
 fn attribute<T>(values: Vec<T>) -> Option<Attribute<T>> {

@@ -100,10 +100,8 @@ impl FaceArrays {
         let row = TriangleRow::of(element, layout, vertices).filter(|_| self.triangles.is_empty());
         let Some(row) = row else { return Ok(0) };
         let Some(at_once) = from.rows_at_once(row.stride, element.count) else { return Ok(0) };
-        let decode = match from.encoding {
-            BodyEncoding::BigEndian => decode::<true>,
-            _ => decode::<false>,
-        };
+        let is_big = from.encoding == BodyEncoding::BigEndian;
+        let decode = if is_big { decode::<true> } else { decode::<false> };
         self.triangles = vec![[0; 3]; element.count as usize];
         let blocks = self.triangles.par_chunks_mut(at_once);
         let read =

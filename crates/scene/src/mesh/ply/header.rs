@@ -102,7 +102,12 @@ fn read_lines(text: &[u8]) -> Result<Header> {
         let line = String::from_utf8_lossy(line);
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         match words[..] {
-            _ if lines == 1 => check_magic(line.trim())?,
+            _ if lines == 1 && line.trim() == "ply" => {}
+            _ if lines == 1 => {
+                let error = syntax("a PLY file begins with the line \"ply\"").at(place(1));
+                let error = error.value(format_args!("{:?}", line.trim()));
+                return Err(error.remedy("check that this is a PLY file"));
+            }
             ["end_header"] => {
                 let missing = syntax("the header has no format line");
                 let remedy = "add one, such as \"format ascii 1.0\"";
@@ -116,29 +121,15 @@ fn read_lines(text: &[u8]) -> Result<Header> {
                 .map_err(|error| error.at(place(lines)))?,
         }
     }
-    match lines {
-        0 => Err(syntax("the file is empty").remedy("export it again")),
-        _ => Err(end_missing(bytes).at(place(lines + 1))),
+    if lines == 0 {
+        return Err(syntax("the file is empty").remedy("export it again"));
     }
-}
-
-/// Checks the first line.
-fn check_magic(line: &str) -> Result<()> {
-    match line {
-        "ply" => Ok(()),
-        _ => Err(syntax("a PLY file begins with the line \"ply\"")
-            .at(place(1))
-            .value(format_args!("{line:?}"))
-            .remedy("check that this is a PLY file")),
-    }
-}
-
-fn end_missing(bytes: u64) -> Error {
-    let error = syntax("the header does not end");
+    let error = syntax("the header does not end").at(place(lines + 1));
     if bytes >= MAX_HEADER {
-        return error.remedy(format!("end it with \"end_header\" within {MAX_HEADER} bytes"));
+        let remedy = format!("end it with \"end_header\" within {MAX_HEADER} bytes");
+        return Err(error.remedy(remedy));
     }
-    error.remedy("end it with a line \"end_header\"; the file may be cut off")
+    Err(error.remedy("end it with a line \"end_header\"; the file may be cut off"))
 }
 
 /// Processes a line of the header but its first and its last.

@@ -20,6 +20,8 @@ const LONGEST: usize = 256;
 /// The used numbers of a row.
 #[derive(Debug, Default)]
 pub(super) struct Row {
+    /// Whether each property is used.
+    pub(super) used: Vec<bool>,
     /// Those of lists without their count.
     pub(super) numbers: Vec<f64>,
     /// For each property, the end of its numbers.
@@ -73,21 +75,17 @@ impl<'a> Numbers<'a> {
         }
     }
 
-    /// Reads a row, of which the properties that are `used` are kept.
-    pub(super) fn row(
-        &mut self,
-        element: &Element,
-        used: impl Fn(usize) -> bool,
-        into: &mut Row,
-    ) -> Result<()> {
+    /// Reads a row of the element, of which the used properties are kept.
+    pub(super) fn row(&mut self, into: &mut Row) -> Result<()> {
         into.numbers.clear();
         into.ends.clear();
-        for (number, property) in element.properties.iter().enumerate() {
+        let properties = self.element.into_iter().flat_map(|element| &element.properties);
+        for (property, &is_used) in properties.zip(&into.used) {
             let (kind, count) = match property.shape {
                 PropertyType::One(kind) => (kind, 1),
                 PropertyType::List { count, item } => (item, self.list_length(count, item)?),
             };
-            if used(number) {
+            if is_used {
                 for _ in 0..count {
                     into.numbers.push(self.value(kind)?);
                 }

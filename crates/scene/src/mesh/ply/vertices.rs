@@ -70,10 +70,8 @@ impl VertexArrays {
         let (count, origin) = (self.positions.len() as u64 - 1, self.origin);
         let Some(stride) = layout.stride else { return Ok(0) };
         let Some(at_once) = from.rows_at_once(stride, count) else { return Ok(0) };
-        let decode = match from.encoding {
-            BodyEncoding::BigEndian => decode::<true>,
-            _ => decode::<false>,
-        };
+        let is_big = from.encoding == BodyEncoding::BigEndian;
+        let decode = if is_big { decode::<true> } else { decode::<false> };
         let blocks: Vec<Destination<'_>> = self.blocks(1, at_once).collect();
         from.blocks(stride, count, blocks.into_par_iter(), |rows, to| {
             decode(layout, origin, rows, to)
