@@ -104,11 +104,9 @@ fn read(
     let loaded = match format {
         MeshFormat::Ply => ply::read(file, length, buffer),
         MeshFormat::Obj => obj::read(file, length, block, piece),
-        MeshFormat::Stl => {
-            stl::read(file, length, buffer).map(|read| (read, NamedMaterials::default()))
-        }
+        MeshFormat::Stl => stl::read(file, length, buffer),
     };
-    let ((mesh, notes), materials) = loaded.map_err(|error| error.in_file(path))?;
+    let (mesh, notes, materials) = loaded.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();
     Ok(LoadedMesh { mesh, warnings, materials })
 }

@@ -88,10 +88,9 @@ impl Library {
                 current = Some((rest.trim().to_owned(), Mtl::default()));
                 continue;
             }
-            let is_right = match &mut current {
-                Some((_, mtl)) => self.statement(mtl, &keyword, rest.trim()),
-                None => false,
-            };
+            let statement =
+                |(_, mtl): &mut (String, Mtl)| self.statement(mtl, &keyword, rest.trim());
+            let is_right = current.as_mut().is_some_and(statement);
             if !is_right && self.malformed.len() < NAMED {
                 self.malformed.push(format!("{name}, line {}", number + 1));
             }

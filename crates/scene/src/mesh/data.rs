@@ -112,8 +112,8 @@ impl NamedMaterials {
     }
 }
 
-/// The result of a reader: the arrays, and warnings that do not name the file yet.
-pub(super) type Read = (MeshData, Vec<Error>);
+/// The result of a reader: the arrays, warnings that do not name the file yet, and materials.
+pub(super) type Read = (MeshData, Vec<Error>, NamedMaterials);
 
 /// Splits: each triangle goes to one part with its own vertices.
 impl MeshData {

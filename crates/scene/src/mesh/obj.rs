@@ -13,10 +13,9 @@
 mod contents;
 mod lines;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
-use super::data::{Attribute, MeshData, NamedMaterials, Read};
+use super::data::{Attribute, MeshData, Read};
 use super::faults::{check_count, no_triangles, too_few_corners};
 use super::origin::origin;
 use super::place::ReadAt;
@@ -29,12 +28,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 pub(super) use lines::BLOCK;
 
 /// Reads a file of `length` bytes, in blocks and pieces of about these sizes.
-pub(super) fn read(
-    file: &dyn ReadAt,
-    length: u64,
-    block: usize,
-    piece: usize,
-) -> Result<(Read, NamedMaterials)> {
+pub(super) fn read(file: &dyn ReadAt, length: u64, block: usize, piece: usize) -> Result<Read> {
     let mut parts = UnfinishedMesh::default();
     each_block(file, length, block, |text| parts.add_block(text, piece))?;
     // An index may refer to later values.
@@ -42,7 +36,7 @@ pub(super) fn read(
     if let Some(error) = parts.start.first_beyond(indices) {
         // Its line is found by reading the file again: storing the line of every face for a rare
         // error would cost memory in every load.
-        let (mut start, origin) = (LineCounts::default(), parts.origin.unwrap_or_default());
+        let (mut start, origin) = (LineCounts::default(), parts.all.origin);
         each_block(file, length, block, |text| {
             let (count, piece) = Contents::read(text, Some(start), origin, Some(&parts.start));
             start = count;
@@ -58,15 +52,15 @@ pub(super) fn read(
 struct UnfinishedMesh {
     /// The counts before the next block.
     start: LineCounts,
-    /// Known from the first position on.
-    origin: Option<DVec3>,
     all: Contents,
 }
 
 impl UnfinishedMesh {
     fn add_block(&mut self, text: &[u8], piece: usize) -> Result<()> {
-        self.origin = self.origin.or_else(|| contents::first_position(text).map(origin));
-        let origin = self.origin.unwrap_or_default();
+        if self.start.values[0] == 0 {
+            self.all.origin = contents::first_position(text).map(origin).unwrap_or_default();
+        }
+        let origin = self.all.origin;
         let pieces = cut(text, piece);
         let read: Vec<(LineCounts, Result<Contents>)> =
             pieces.par_iter().map(|text| Contents::read(text, None, origin, None)).collect();
@@ -87,7 +81,7 @@ impl UnfinishedMesh {
         read.into_iter().try_for_each(|piece| self.all.append(piece?))
     }
 
-    fn finish(self) -> Result<(Read, NamedMaterials)> {
+    fn finish(self) -> Result<Read> {
         let mut all = self.all;
         let [mut triangles, mut of_uvs, mut of_normals] = all.indices;
         if triangles.is_empty() {
@@ -126,12 +120,12 @@ impl UnfinishedMesh {
             uvs: attribute(all.uvs, of_uvs, &triangles, count),
             normals: attribute(all.normals, of_normals, &triangles, count),
             positions: all.positions,
-            origin: self.origin.unwrap_or_default(),
+            origin: all.origin,
             triangles,
             colors: (!all.colors.is_empty()).then_some(all.colors),
             alphas: None,
         };
-        Ok(((mesh, notes), all.materials))
+        Ok((mesh, notes, all.materials))
     }
 }
 

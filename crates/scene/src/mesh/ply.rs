@@ -21,17 +21,13 @@ mod layout;
 mod numbers;
 mod vertices;
 
-use super::data::{NamedMaterials, Read};
+use super::data::Read;
 use super::place::ReadAt;
 use numbers::Numbers;
 use wavecrest_base::error::Result;
 
 /// Reads a file of `length` bytes.
-pub(super) fn read(
-    file: &dyn ReadAt,
-    length: u64,
-    buffer: usize,
-) -> Result<(Read, NamedMaterials)> {
+pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
     let header = header::read(file, length)?;
     body::read(&header, Numbers::new(file, &header, length, buffer))
 }

@@ -19,7 +19,7 @@ use std::io::{BufRead as _, BufReader, Read as _};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::data::{MeshData, Read};
+use super::data::{MeshData, NamedMaterials, Read};
 use super::faults::{self, no_triangles, read_failure, syntax};
 use super::place::{ReadAt, Sequence, part};
 use super::validate::{bad_position, is_good_position};
@@ -60,7 +60,8 @@ pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read
         return Err(no_triangles());
     }
     let (positions, triangles) = join::join(corners);
-    Ok((MeshData { positions, triangles, ..MeshData::default() }, notes))
+    let mesh = MeshData { positions, triangles, ..MeshData::default() };
+    Ok((mesh, notes, NamedMaterials::default()))
 }
 
 /// The form of a file.

@@ -124,11 +124,8 @@ pub(super) fn scale_byte_colors(colors: &mut [Vec3]) -> Option<Error> {
 
 /// Replaces the values that are not `good`, and counts them.
 fn replace_bad<T: Send + Sync + Copy>(values: &mut [T], good: fn(T) -> bool, by: T) -> usize {
-    let mend = |part: &mut [T]| {
-        let bad = part.iter_mut().filter(|value| !good(**value));
-        bad.map(|value| *value = by).count()
-    };
-    values.par_chunks_mut(PART).map(mend).sum()
+    let bad = values.par_iter_mut().with_min_len(PART).filter(|value| !good(**value));
+    bad.map(|value| *value = by).count()
 }
 
 /// The number of the first of `items` that is `bad`.

@@ -4,18 +4,17 @@ mod pieces;
 
 use super::*;
 use crate::mesh::BUFFER;
-use crate::mesh::data::NO_VALUE;
+use crate::mesh::data::{NO_VALUE, NamedMaterials};
 use crate::mesh::tests::alike;
 use crate::tests::approved;
 
 fn read_all(text: &[u8], block: usize, piece: usize) -> Result<Read> {
-    read(&text, text.len() as u64, block, piece).map(|(read, _)| read)
+    read(&text, text.len() as u64, block, piece)
 }
 
 /// The materials that `text` names, wherever it is cut.
 fn materials(text: &str) -> NamedMaterials {
-    let read =
-        |block, piece| super::read(&text.as_bytes(), text.len() as u64, block, piece).unwrap().1;
+    let read = |block, piece| read_all(text.as_bytes(), block, piece).unwrap().2;
     let whole = read(BLOCK, BUFFER);
     for (block, piece) in [(1, 1), (7, 3), (64, 20)] {
         assert_eq!(read(block, piece), whole, "{block} {piece}");
@@ -31,7 +30,8 @@ fn load(text: &str) -> Result<Read> {
 
 /// What is read of a text, but for lists that are empty.
 fn contents(text: &str) -> String {
-    let (MeshData { positions, triangles, uvs, normals, colors, .. }, notes) = load(text).unwrap();
+    let (MeshData { positions, triangles, uvs, normals, colors, .. }, notes, _) =
+        load(text).unwrap();
     let NamedMaterials { libraries, runs, .. } = materials(text);
     let notes: Vec<String> = notes.iter().map(ToString::to_string).collect();
     let lists = [
@@ -56,7 +56,7 @@ fn texts_have_these_contents() {
 #[test]
 fn marks_of_encodings_are_told_apart() {
     let marked = "\u{feff}v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3";
-    let (read, _) = read_all(marked.as_bytes(), BLOCK, BUFFER).unwrap();
+    let (read, ..) = read_all(marked.as_bytes(), BLOCK, BUFFER).unwrap();
     assert_eq!(read.positions.len(), 3);
     for text in [&b"\xFE\xFF\0v\0 \x001"[..], b"\xFF\xFEv\0 \0", b"v\0 \x001\0"] {
         let error = read_all(text, BLOCK, BUFFER).unwrap_err().to_string();

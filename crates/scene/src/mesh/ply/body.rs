@@ -13,10 +13,7 @@ use crate::mesh::validate::{mend, scale_byte_colors};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// Reads the whole body into a mesh.
-pub(super) fn read<'a>(
-    header: &'a Header,
-    mut numbers: Numbers<'a>,
-) -> Result<(Read, NamedMaterials)> {
+pub(super) fn read<'a>(header: &'a Header, mut numbers: Numbers<'a>) -> Result<Read> {
     let vertex = header.elements.iter().find(|e| e.name == "vertex").ok_or_else(|| {
         syntax("the header declares no element \"vertex\"")
             .remedy("declare one, with the properties x, y and z")
@@ -146,7 +143,7 @@ impl Body {
         Ok(1)
     }
 
-    fn finish(mut self) -> Result<(Read, NamedMaterials)> {
+    fn finish(mut self) -> Result<Read> {
         check_count("triangles", self.faces.triangles.len() as u64)?;
         if self.faces.triangles.is_empty() {
             return Err(no_triangles());
@@ -186,7 +183,7 @@ impl Body {
             colors: (!colors.is_empty()).then_some(colors),
             alphas: None,
         };
-        Ok(((mesh, self.notes), images))
+        Ok((mesh, self.notes, images))
     }
 }
 

@@ -12,11 +12,11 @@ use crate::mesh::{BUFFER, MeshData};
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that rows lie across its ends.
-    alike([29, BUFFER], |buffer| Ok(super::read(&bytes, bytes.len() as u64, *buffer)?.0))
+    alike([29, BUFFER], |buffer| super::read(&bytes, bytes.len() as u64, *buffer))
 }
 
 fn mesh(bytes: &[u8]) -> MeshData {
-    let (mesh, notes) = load(bytes).unwrap();
+    let (mesh, notes, _) = load(bytes).unwrap();
     assert!(notes.is_empty(), "{notes:?}");
     mesh
 }
@@ -206,7 +206,7 @@ fn a_body_cut_anywhere_is_refused() {
 fn what_follows_the_body_is_a_warning() {
     let mut bytes = packed(false, &[&[0, 1, 2]]);
     bytes.extend([1, 2, 3]);
-    let (read, notes) = load(&bytes).unwrap();
+    let (read, notes, _) = load(&bytes).unwrap();
     assert_eq!(read.triangles.len(), 1);
     assert!(notes.len() == 1 && notes[0].to_string().contains("3 bytes"), "{notes:?}");
     let text = ascii(&square_header(1), &format!("{SQUARE}3 0 1 2\n \r\n"));

@@ -10,7 +10,7 @@ fn load(bytes: &[u8]) -> Result<Read> {
 }
 
 fn mesh(bytes: &[u8]) -> MeshData {
-    let (mesh, notes) = load(bytes).unwrap();
+    let (mesh, notes, _) = load(bytes).unwrap();
     assert!(notes.is_empty(), "{notes:?}");
     mesh
 }
@@ -82,7 +82,7 @@ fn a_binary_file_may_begin_as_a_text_does() {
     // With blanks in the head, and with bytes at its end, where its length says nothing.
     let mut longer = binary(&format!("{:80}", "solid work"), 0);
     longer.push(1);
-    let (mesh, notes) = load(&longer).unwrap();
+    let (mesh, notes, _) = load(&longer).unwrap();
     assert_eq!(mesh.triangles.len(), 4);
     assert!(notes[0].to_string().contains("bytes after the last triangle"), "{notes:?}");
 }
@@ -90,7 +90,7 @@ fn a_binary_file_may_begin_as_a_text_does() {
 #[test]
 fn colours_are_ignored_by_name() {
     let told = |bytes: &[u8]| {
-        let (_, notes) = load(bytes).unwrap();
+        let (_, notes, _) = load(bytes).unwrap();
         assert_eq!(notes.len(), 1);
         notes[0].to_string()
     };

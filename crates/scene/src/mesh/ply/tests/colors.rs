@@ -16,7 +16,7 @@ fn vertices_may_have_colours() {
     let colors = |kind: &str| mesh(&ascii(&header(kind), rows)).colors.unwrap();
     assert_eq!(colors("uchar")[0], Vec3::new(1.0, 0.0, 51.0 * (1.0 / 255.0)));
     assert_eq!(colors("int"), colors("uchar"));
-    let (floats, told) = load(&ascii(&header("float"), rows)).unwrap();
+    let (floats, told, _) = load(&ascii(&header("float"), rows)).unwrap();
     assert_eq!(floats.colors.unwrap()[1], Vec3::Y);
     assert!(told[0].to_string().contains("taken as 0 to 255"), "{told:?}");
     let other = [("red", "R"), ("green", "g"), ("blue", "B")];

@@ -3,7 +3,7 @@
 use super::*;
 use crate::mesh::NamedMaterials;
 
-fn read(bytes: &[u8]) -> (Read, NamedMaterials) {
+fn read(bytes: &[u8]) -> Read {
     super::super::read(&bytes, bytes.len() as u64, BUFFER).unwrap()
 }
 
@@ -13,7 +13,7 @@ const CORNERS: &str = "property list uchar float texcoord";
 fn coordinates_of_faces_belong_to_corners() {
     let header = format!("comment TextureFile a b.png\n{}\n{CORNERS}", square_header(2));
     let rows = "3 0 1 2 6 0 0 1 0 1 1\n4 0 1 2 3 8 0 0 .5 0 .5 .5 0 .5\n";
-    let ((mesh, notes), images) = read(&ascii(&header, &format!("{SQUARE}{rows}")));
+    let (mesh, notes, images) = read(&ascii(&header, &format!("{SQUARE}{rows}")));
     assert!(notes.is_empty(), "{notes:?}");
     let uvs = mesh.uvs.unwrap();
     let of = |triangle: [u32; 3]| triangle.map(|i| uvs.values[i as usize]);
@@ -25,7 +25,7 @@ fn coordinates_of_faces_belong_to_corners() {
     assert_eq!(images.runs, [(0, "a b.png".to_owned())]);
     // A face without them has none, and lists are checked against the length of the file.
     let rows = rows.replace("6 0 0 1 0 1 1", "0");
-    let ((mesh, _), _) = read(&ascii(&header, &format!("{SQUARE}{rows}")));
+    let (mesh, ..) = read(&ascii(&header, &format!("{SQUARE}{rows}")));
     assert_eq!(mesh.uvs.unwrap().indices.unwrap()[0], [u32::MAX; 3]);
     let long = ascii(
         &header.replace("uchar float", "uint float"),
@@ -40,18 +40,18 @@ fn faces_choose_one_of_several_images() {
     let header = format!("{names}\n{}\n{CORNERS}\nproperty int texnumber", square_header(3));
     let row = |number: i32| format!("3 0 1 2 6 0 0 1 0 1 1 {number}\n");
     let body = [SQUARE.to_owned(), row(1), row(0), row(9)].concat();
-    let (_, images) = read(&ascii(&header, &body));
+    let (.., images) = read(&ascii(&header, &body));
     let runs = |names: [&str; 3]| [0, 1, 2].map(|i| (i as u32, names[i].to_owned()));
     assert_eq!(images.runs, runs(["b.png", "a.png", ""]), "there is no image 9");
     let body = [SQUARE.to_owned(), row(1), row(-1), row(0)].concat();
-    let (_, images) = read(&ascii(&header, &body));
+    let (.., images) = read(&ascii(&header, &body));
     assert_eq!(images.runs, runs(["b.png", "", "a.png"]));
 }
 
 #[test]
 fn an_image_without_coordinates_is_named() {
     let header = format!("comment TextureFile a.png\n{}", square_header(1));
-    let ((_, notes), images) = read(&ascii(&header, &format!("{SQUARE}3 0 1 2\n")));
+    let (_, notes, images) = read(&ascii(&header, &format!("{SQUARE}3 0 1 2\n")));
     assert!(notes[0].to_string().contains("found a.png"), "{notes:?}");
     assert_eq!(images, NamedMaterials::default());
 }
@@ -59,7 +59,7 @@ fn an_image_without_coordinates_is_named() {
 #[test]
 fn undeclared_values_after_a_face_are_told_and_ignored() {
     let rows = "3 0 1 2 9 1 1 1 1 1 1 1 1 1 \n3 0 1 2\n";
-    let ((mesh, notes), _) = read(&ascii(&square_header(2), &format!("{SQUARE}{rows}")));
+    let (mesh, notes, _) = read(&ascii(&square_header(2), &format!("{SQUARE}{rows}")));
     assert_eq!(mesh.triangles, [[0, 1, 2]; 2]);
     assert!(notes[0].to_string().contains("more values") && notes.len() == 1, "{notes:?}");
     let one_line = ascii(&square_header(2), &format!("{SQUARE}3 0 1 2 3 0 1 2\n"));

@@ -17,7 +17,7 @@ fn slowly(bytes: &[u8]) -> Result<Read> {
     let header = header::read(&bytes, length)?;
     let mut numbers = Numbers::new(&bytes, &header, length, 64);
     numbers.block = 0;
-    Ok(body::read(&header, numbers)?.0)
+    body::read(&header, numbers)
 }
 
 /// Sizes of the buffer, and the threads, started once.
@@ -33,7 +33,7 @@ fn check(bytes: &[u8], what: &str) -> Option<MeshData> {
     let ways = std::iter::once(None).chain(WAYS.iter().map(Some)).map(|way| (what, way));
     let read = alike(ways, |(_, way)| match way {
         None => slowly(bytes),
-        Some((buffer, pool)) => pool.install(|| Ok(read(&bytes, bytes.len() as u64, *buffer)?.0)),
+        Some((buffer, pool)) => pool.install(|| read(&bytes, bytes.len() as u64, *buffer)),
     });
     read.ok().map(|read| read.0)
 }
