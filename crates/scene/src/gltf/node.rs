@@ -202,9 +202,7 @@ pub(super) fn flattens(world: &DAffine3) -> bool {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instancing {
     pub(super) count: usize,
-    translation: Option<usize>,
-    rotation: Option<usize>,
-    scale: Option<usize>,
+    translation_rotation_scale: [Option<usize>; 3],
 }
 
 impl Instancing {
@@ -217,18 +215,14 @@ impl Instancing {
         let found = fields.extension("EXT_mesh_gpu_instancing", |found| {
             let attributes = found.need_object("attributes", "attributes")?;
             let of = |key: &str, width: usize| accessor(&attributes, key, width, accessors);
-            let (translation, rotation) = (of("TRANSLATION", 3)?, of("ROTATION", 4)?);
-            let scale = of("SCALE", 3)?;
-            let counts = || {
-                let all = [translation, rotation, scale].into_iter().flatten();
-                all.map(|index| accessors[index].count)
-            };
-            let count = counts().next().unwrap_or(0);
-            if counts().any(|other| other != count) {
+            let parts = [of("TRANSLATION", 3)?, of("ROTATION", 4)?, of("SCALE", 3)?];
+            let mut counts = parts.into_iter().flatten().map(|index| accessors[index].count);
+            let count = counts.next().unwrap_or(0);
+            if counts.any(|other| other != count) {
                 let error = attributes.error("all accessors must have as many elements");
                 return Err(error.remedy("export the file again"));
             }
-            Ok(Self { count, translation, rotation, scale })
+            Ok(Self { count, translation_rotation_scale: parts })
         })?;
         Ok(found.filter(|found| found.count > 0))
     }
@@ -243,9 +237,10 @@ impl Instancing {
         let vector = |index: Option<usize>, absent: DVec3| {
             index.map_or(absent, |index| DVec3::from_array(storage.elements(index).get(i)))
         };
-        let rotation = self.rotation.map_or(UNTURNED, |index| storage.elements(index).get(i));
-        let translation = vector(self.translation, DVec3::ZERO);
-        let own = transform(translation, rotation, vector(self.scale, DVec3::ONE))?;
+        let [translation, rotation, scale] = self.translation_rotation_scale;
+        let rotation = rotation.map_or(UNTURNED, |index| storage.elements(index).get(i));
+        let translation = vector(translation, DVec3::ZERO);
+        let own = transform(translation, rotation, vector(scale, DVec3::ONE))?;
         Some(*world * own).filter(is_place)
     }
 }

@@ -128,23 +128,35 @@ impl MeshData {
         if let Some(only) = triangles.iter().position(whole) {
             return vec![(only as u32, self)];
         }
-        let mut numbers = NewIndices::default();
+        let mut numbers = Vec::new();
         let used = (0..).zip(&triangles).filter(|(_, of)| !of.is_empty());
         used.map(|(number, of)| (number, self.part(of, &mut numbers))).collect()
     }
 
     /// The part with these triangles.
-    fn part(&self, which: &[u32], numbers: &mut NewIndices) -> Self {
-        let (triangles, used) = numbers.renumbered(which, &self.triangles, self.positions.len());
+    fn part(&self, which: &[u32], numbers: &mut Vec<u32>) -> Self {
+        let count = self.positions.len();
+        let (triangles, used) = renumbered(which, &self.triangles, count, numbers);
         Self {
             positions: picked(&self.positions, &used),
             origin: self.origin,
             colors: self.colors.as_ref().map(|colors| picked(colors, &used)),
             alphas: self.alphas.as_ref().map(|alphas| picked(alphas, &used)),
             triangles,
-            normals: self.normals.as_ref().map(|all| numbers.attribute(all, which, &used)),
-            uvs: self.uvs.as_ref().map(|all| numbers.attribute(all, which, &used)),
+            normals: self.normals.as_ref().map(|all| all.part(which, &used, numbers)),
+            uvs: self.uvs.as_ref().map(|all| all.part(which, &used, numbers)),
         }
+    }
+}
+
+impl<T: Copy> Attribute<T> {
+    /// That of the triangles in `which`, given the positions that they have `used`.
+    fn part(&self, which: &[u32], used: &[u32], numbers: &mut Vec<u32>) -> Self {
+        let Some(indices) = &self.indices else {
+            return Self { values: picked(&self.values, used), indices: None };
+        };
+        let (indices, used) = renumbered(which, indices, self.values.len(), numbers);
+        Self { values: picked(&self.values, &used), indices: Some(indices) }
     }
 }
 
@@ -152,44 +164,24 @@ fn picked<T: Copy>(values: &[T], which: &[u32]) -> Vec<T> {
     which.iter().map(|&i| values[i as usize]).collect()
 }
 
-/// The new indices of values in a part; the memory is reused for the next.
-#[derive(Default)]
-struct NewIndices(Vec<u32>);
-
-impl NewIndices {
-    /// The corners of the triangles in `which` with new indices, and the old indices, of `count`,
-    /// in rising order.
-    fn renumbered(
-        &mut self,
-        which: &[u32],
-        corners: &[[u32; 3]],
-        count: usize,
-    ) -> (Vec<[u32; 3]>, Vec<u32>) {
-        let of_part = || which.iter().map(|&triangle| corners[triangle as usize]);
-        let mut used: Vec<u32> = of_part().flatten().filter(|&i| i != NO_VALUE).collect();
-        used.sort_unstable();
-        used.dedup();
-        self.0.resize(self.0.len().max(count), NO_VALUE);
-        for (number, &old) in (0..).zip(&used) {
-            self.0[old as usize] = number;
-        }
-        let renumber = |i: u32| self.0.get(i as usize).copied().unwrap_or(NO_VALUE);
-        (of_part().map(|corner| corner.map(renumber)).collect(), used)
+/// The corners of the triangles in `which` with new indices, and the old indices, of `count`, in rising
+/// order. The memory for `numbers` is reused for the next part.
+fn renumbered(
+    which: &[u32],
+    corners: &[[u32; 3]],
+    count: usize,
+    numbers: &mut Vec<u32>,
+) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let of_part = || which.iter().map(|&triangle| corners[triangle as usize]);
+    let mut used: Vec<u32> = of_part().flatten().filter(|&i| i != NO_VALUE).collect();
+    used.sort_unstable();
+    used.dedup();
+    numbers.resize(numbers.len().max(count), NO_VALUE);
+    for (number, &old) in (0..).zip(&used) {
+        numbers[old as usize] = number;
     }
-
-    /// The attribute of the triangles in `which`, given the positions that they have `used`.
-    fn attribute<T: Copy>(
-        &mut self,
-        Attribute { values, indices }: &Attribute<T>,
-        which: &[u32],
-        used: &[u32],
-    ) -> Attribute<T> {
-        let Some(indices) = indices else {
-            return Attribute { values: picked(values, used), indices: None };
-        };
-        let (indices, used) = self.renumbered(which, indices, values.len());
-        Attribute { values: picked(values, &used), indices: Some(indices) }
-    }
+    let renumber = |i: u32| numbers.get(i as usize).copied().unwrap_or(NO_VALUE);
+    (of_part().map(|corner| corner.map(renumber)).collect(), used)
 }
 
 #[cfg(test)]
