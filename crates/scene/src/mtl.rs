@@ -10,8 +10,8 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::components::{
-    Channels, CutOut, Encoding, Filter, LookUp, Map, Maps, Material, Placing, TextureRef,
-    TextureSource, Transparency, Wrap,
+    Channels, CutOut, Encoding, Filter, LookUp, Map, Material, Placing, TextureRef, TextureSource,
+    Transparency, Wrap,
 };
 use crate::format::Range;
 use crate::surface::THRESHOLD;
@@ -150,7 +150,8 @@ pub(crate) struct MtlSurface {
     pub(crate) material: Material,
     pub(crate) transparency: Transparency,
     pub(crate) texture: Option<TextureRef>,
-    pub(crate) maps: Maps,
+    /// The metal, where an image sets its colour.
+    pub(crate) metal: Option<Map>,
     pub(crate) cutout: Option<CutOut>,
     /// Whether any of it is opaque.
     pub(crate) is_there: bool,
@@ -208,7 +209,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     let [metallic, roughness] = [mtl.pm.unwrap_or(0.0), mtl.pr.unwrap_or(ROUGHNESS)];
     let is_metal = mtl.pm.or(mtl.pr).is_some() && !is_glass;
     // Where an image sets the colour, it sets that of the metal.
-    let by_color = (is_metal && texture.is_some() && metallic > 0.0 && roughness < 1.0)
+    let metal_by_color = (is_metal && texture.is_some() && metallic > 0.0 && roughness < 1.0)
         .then_some(Map { texture: None, strength: 1.0, metallic, roughness });
     let emission = mtl.ke.unwrap_or(DVec3::ZERO);
     let plain = Material {
@@ -230,8 +231,8 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         color: mtl.tf.unwrap_or(DVec3::ONE),
         ..Transparency::OPAQUE
     };
-    let maps = Maps { metal: by_color, ..Maps::default() };
-    MtlSurface { material, transparency, texture, maps, cutout, is_there: d > 0.0 || is_glass }
+    let is_there = d > 0.0 || is_glass;
+    MtlSurface { material, transparency, texture, metal: metal_by_color, cutout, is_there }
 }
 
 /// The materials of a text by name, as if every image existed: for tests.

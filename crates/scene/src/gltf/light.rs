@@ -93,7 +93,7 @@ impl Light {
         match kind {
             LightKind::Point => entity.add(light),
             LightKind::Spot(angles) => {
-                let [inner_degrees, outer_degrees] = angles.map(degrees);
+                let [inner_degrees, outer_degrees] = angles.map(f64::to_degrees);
                 let spot = Spot { direction: direction()?, inner_degrees, outer_degrees };
                 entity.add(light).add(spot)
             }
@@ -119,11 +119,6 @@ fn spot(fields: &Fields<'_>) -> Result<LightKind> {
     };
     let outer = angle("outerConeAngle", USUAL)?.min(WIDEST);
     Ok(LightKind::Spot([angle("innerConeAngle", 0.0)?.min(outer), outer]))
-}
-
-/// In degrees; in single precision a right angle may be slightly larger.
-fn degrees(radians: f64) -> f64 {
-    if radians >= WIDEST { 90.0 } else { radians.to_degrees().min(90.0) }
 }
 
 /// A lamp ends at this multiple of the radius of a ball with its area: the corners of a ball's mesh

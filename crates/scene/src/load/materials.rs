@@ -48,7 +48,7 @@ pub(super) fn split(
             (None, None) => &[MATERIAL],
         });
         if let Some(&(name, (mtl, from))) = known {
-            let MtlSurface { material, transparency, texture, maps, cutout, is_there } =
+            let MtlSurface { material, transparency, texture, metal, cutout, is_there } =
                 surface(mtl, |image| reader.image(from, image));
             if !is_there {
                 let message = format!("faces with the material {name} are left out");
@@ -61,7 +61,7 @@ pub(super) fn split(
             if transparency.has_effect() {
                 entity.add(transparency);
             }
-            if let (Some(metal), true) = (maps.metal, has_uvs) {
+            if let (Some(metal), true) = (metal, has_uvs) {
                 let own = entity.get::<&Maps>().cloned().unwrap_or_default();
                 entity.add(Maps { metal: Some(metal), ..own });
             }

@@ -88,13 +88,11 @@ impl CreaseMesh<'_> {
         let distribute = |(number, triangles): (usize, &[[u32; 3]])| {
             let mut ranges = vec![Vec::new(); self.positions.len().div_ceil(size)];
             for (number, vertices) in ((number * part) as u32..).zip(triangles) {
-                let [a, b, c] = vertices.map(|v| v as usize / size);
-                ranges[a].push(number);
-                if b != a {
-                    ranges[b].push(number);
-                }
-                if c != a && c != b {
-                    ranges[c].push(number);
+                let used = vertices.map(|v| v as usize / size);
+                for (i, range) in used.into_iter().enumerate() {
+                    if !used[..i].contains(&range) {
+                        ranges[range].push(number);
+                    }
                 }
             }
             ranges

@@ -103,11 +103,11 @@ impl NamedMaterials {
     }
 
     /// Sets the material of the triangles from `first` on.
-    pub(super) fn begin(&mut self, first: u32, name: String) {
+    pub(super) fn begin(&mut self, first: u32, name: &str) {
         // A material without a triangle is dropped.
         self.runs.pop_if(|(begun, _)| *begun == first);
-        if self.runs.last().is_none_or(|(_, last)| *last != name) {
-            self.runs.push((first, name));
+        if self.runs.last().is_none_or(|(_, last)| last != name) {
+            self.runs.push((first, name.to_owned()));
         }
     }
 }

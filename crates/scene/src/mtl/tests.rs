@@ -1,4 +1,5 @@
 use super::*;
+use crate::components::Maps;
 use crate::tests::approved;
 
 fn read(text: &str) -> Library {
@@ -23,13 +24,13 @@ fn materials_are_read_in_any_case_with_blanks_and_comments() {
 /// What the first material of a text is, but for what it is without any statement; and what is said of the text.
 fn parts(statements: &str) -> Vec<String> {
     let library = read(&format!("newmtl a\n{statements}"));
-    let MtlSurface { material, transparency, texture, maps, cutout, is_there } =
+    let MtlSurface { material, transparency, texture, metal, cutout, is_there } =
         surface(&library.materials["a"], |name| Some(PathBuf::from(name)));
     vec![
         format!("{material:?}"),
         format!("{transparency:?}"),
         format!("texture: {texture:?}"),
-        format!("{maps:?}"),
+        format!("{:?}", Maps { metal, ..Maps::default() }),
         format!("cutout: {cutout:?}"),
         format!("is there: {is_there}"),
         format!("skipped: {:?}, {:?}", library.skipped, library.options),

@@ -115,7 +115,7 @@ impl Contents {
         let shift = |p: Polygon| Polygon { first: p.first + first, ..p };
         self.polygons.extend(piece.polygons.into_iter().map(shift));
         for (begun, name) in piece.materials.runs {
-            self.materials.begin(begun + first, name);
+            self.materials.begin(begun + first, &name);
         }
         for statement in piece.materials.libraries {
             self.materials.add_library(statement);
@@ -159,7 +159,7 @@ impl Contents {
                 }
             }
             // A piece is in memory, so its triangles are fewer than 2^32.
-            Keyword::Material => self.materials.begin(self.indices[0].len() as u32, name(rest)),
+            Keyword::Material => self.materials.begin(self.indices[0].len() as u32, &name(rest)),
             Keyword::Library => self.materials.add_library(name(rest)),
             Keyword::Paint => self.has_paint = true,
             Keyword::Other => {}
@@ -237,16 +237,19 @@ fn color(rest: &[u8]) -> Option<Vec3> {
 /// The first `N` numbers of a statement, and the text after them. The first `needed` are required,
 /// the others default to 0.
 fn numbers<'a, const N: usize>(
-    rest: &'a [u8],
+    mut rest: &'a [u8],
     needed: usize,
     keyword: &str,
 ) -> Result<([f32; N], &'a [u8])> {
     let mut numbers = [0.0; N];
-    let mut found = 0;
-    let mut rest = rest;
-    while found < N
-        && let Some(word) = first_word(rest)
-    {
+    for (found, number) in numbers.iter_mut().enumerate() {
+        let Some(word) = first_word(rest) else {
+            if found >= needed {
+                break;
+            }
+            let error = syntax(format!("\"{keyword}\" needs at least {needed} numbers"));
+            return Err(error.value(found).remedy("complete the line; the file may be cut off"));
+        };
         let is_whole = |&(_, end): &(f32, usize)| word.get(end).is_none_or(|&b| is_blank(b));
         let (value, length) = match number::leading(word).filter(is_whole) {
             Some(found) => found,
@@ -256,14 +259,8 @@ fn numbers<'a, const N: usize>(
                 (number::parse(word).ok_or_else(fault)?, word.len())
             }
         };
-        numbers[found] = value;
-        found += 1;
+        *number = value;
         rest = &word[length..];
-    }
-    if found < needed {
-        return Err(syntax(format!("\"{keyword}\" needs at least {needed} numbers"))
-            .value(found)
-            .remedy("complete the line; the file may be cut off"));
     }
     Ok((numbers, rest))
 }

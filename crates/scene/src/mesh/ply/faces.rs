@@ -70,7 +70,7 @@ impl FaceArrays {
         let is_other = self.images.runs.last().is_none_or(|(_, last)| last != name);
         if is_other && !self.images.textures.is_empty() {
             let name = name.to_owned();
-            self.images.begin(first, name);
+            self.images.begin(first, &name);
         }
     }
 
