@@ -42,8 +42,7 @@ impl MeshParts {
     /// Reads an element of `meshes`.
     pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
         if fields.get("weights").is_some() {
-            let message = "morph targets are ignored";
-            fields.warn(message, "the base mesh is shown");
+            fields.warn("morph targets are ignored", "the base mesh is shown");
         }
         fields.need("primitives", "a list of objects")?;
         let name = fields.name()?;

@@ -1,5 +1,4 @@
 use super::*;
-use crate::components::Maps;
 use crate::tests::approved;
 
 fn read(text: &str) -> Library {
@@ -30,7 +29,7 @@ fn parts(statements: &str) -> Vec<String> {
         format!("{material:?}"),
         format!("{transparency:?}"),
         format!("texture: {texture:?}"),
-        format!("{:?}", Maps { metal, ..Maps::default() }),
+        format!("{:?}", crate::components::Maps { metal, ..Default::default() }),
         format!("cutout: {cutout:?}"),
         format!("is there: {is_there}"),
         format!("skipped: {:?}, {:?}", library.skipped, library.options),

@@ -98,7 +98,7 @@ impl Body {
         self.row.used = (0..element.properties.len()).map(|i| used.contains(&i)).collect();
         let mut index = 0;
         while index < element.count {
-            let rows = self.rows(&kind, element, index, numbers);
+            let rows = self.rows(&kind, index, numbers);
             index += rows.map_err(|error| {
                 let line = numbers.line().map_or(String::new(), |line| format!(" (line {line})"));
                 error.at(format!("{} {index}{line}", element.name))
@@ -109,20 +109,14 @@ impl Body {
 
     /// Reads the row `index`, or many rows together if they are of a common form; returns their
     /// number.
-    fn rows(
-        &mut self,
-        kind: &RowKind,
-        element: &Element,
-        index: u64,
-        numbers: &mut Numbers<'_>,
-    ) -> Result<u64> {
+    fn rows(&mut self, kind: &RowKind, index: u64, numbers: &mut Numbers<'_>) -> Result<u64> {
         let many = match kind {
             // The first vertex gives the origin.
             RowKind::Vertices { layout, .. } if index == 1 => {
                 self.vertices.read(layout, numbers)?
             }
             RowKind::Lists(layout) if index == 0 => {
-                self.faces.read(element, *layout, self.vertex_count, numbers)?
+                self.faces.read(*layout, self.vertex_count, numbers)?
             }
             _ => 0,
         };

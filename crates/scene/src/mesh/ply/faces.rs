@@ -92,11 +92,11 @@ impl FaceArrays {
     /// vertices, and returns their number, possibly 0. An invalid face is left to be read again.
     pub(super) fn read(
         &mut self,
-        element: &Element,
         layout: ListLayout,
         vertices: usize,
         from: &mut Numbers<'_>,
     ) -> Result<u64> {
+        let Some(element) = from.element else { return Ok(0) };
         let row = TriangleRow::of(element, layout, vertices).filter(|_| self.triangles.is_empty());
         let Some(row) = row else { return Ok(0) };
         let Some(at_once) = from.rows_at_once(row.stride, element.count) else { return Ok(0) };

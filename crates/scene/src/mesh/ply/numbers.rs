@@ -176,15 +176,16 @@ impl<'a> Numbers<'a> {
     pub(super) fn end_row(&mut self, more_may_follow: bool) -> Result<bool> {
         let is_over = self.encoding != BodyEncoding::Ascii
             || self.skip_while(|b| is_blank(b) && b != b'\n')?.is_none_or(|next| next == b'\n');
-        if !is_over && !more_may_follow {
+        if is_over {
+            return Ok(false);
+        }
+        if !more_may_follow {
             let right =
                 "declare every value of a line in the header, and put each element on its own line";
             return Err(syntax("the line has too many values").remedy(right));
         }
-        if !is_over {
-            self.skip_while(|b| b != b'\n')?;
-        }
-        Ok(!is_over)
+        self.skip_while(|b| b != b'\n')?;
+        Ok(true)
     }
 
     /// The smallest number of bytes of `count` numbers of the type `kind`: in a text a digit and a
