@@ -52,9 +52,10 @@ type StlTriangles = (Vec<[Vec3; 3]>, Vec<Error>);
 
 /// Reads a file of `length` bytes.
 pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
-    let (corners, notes) = match form(file, length)? {
-        StlForm::Binary(head) => read_binary(file, &head, length, buffer)?,
-        StlForm::Text(end) => read_text(file, end, buffer)?,
+    let (head, line_end) = form(file, length)?;
+    let (corners, notes) = match line_end {
+        Some(end) => read_text(file, end, buffer)?,
+        None => read_binary(file, &head, length, buffer)?,
     };
     if corners.is_empty() {
         return Err(no_triangles());
@@ -64,16 +65,8 @@ pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read
     Ok((mesh, notes, NamedMaterials::default()))
 }
 
-/// The form of a file.
-enum StlForm {
-    /// With its header.
-    Binary([u8; HEAD]),
-    /// With the byte at the end of its lines.
-    Text(u8),
-}
-
-/// The form of a file of `length` bytes.
-fn form(file: &dyn ReadAt, length: u64) -> Result<StlForm> {
+/// The header of a file of `length` bytes, and the byte at the end of its lines if it is a text.
+fn form(file: &dyn ReadAt, length: u64) -> Result<([u8; HEAD], Option<u8>)> {
     if length == 0 {
         return Err(syntax("the file is empty").remedy("export it again"));
     }
@@ -90,13 +83,13 @@ fn form(file: &dyn ReadAt, length: u64) -> Result<StlForm> {
         file.read_exact_at(&mut start, 0).map_err(read_failure)?;
         let end = memchr::memchr2(b'\r', b'\n', &start);
         let is_alone = |end: &usize| start[*end] == b'\r' && start.get(end + 1) != Some(&b'\n');
-        return Ok(StlForm::Text(end.filter(is_alone).map_or(b'\n', |_| b'\r')));
+        return Ok((head, Some(end.filter(is_alone).map_or(b'\n', |_| b'\r'))));
     }
     if there < HEAD {
         let remedy = format!("begin it with \"solid\", or with a binary header of {HEAD} bytes");
         return Err(syntax("the file is too short for STL").value(length).remedy(remedy));
     }
-    Ok(StlForm::Binary(head))
+    Ok((head, None))
 }
 
 /// Checks that the corners of this number of triangles can be numbered.
