@@ -10,6 +10,7 @@ use wavecrest_base::error::Result;
 use wavecrest_base::read::open;
 use wavecrest_base::words::{Size, counted};
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::counters::PrimitiveCounts;
 use wavecrest_core::kernels::light::Light;
 use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::prepared::PreparedScene;
@@ -72,14 +73,14 @@ fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
     let (around, lights): (Vec<_>, Vec<_>) = lights.partition(is_ambient);
     let around = if around.is_empty() { "" } else { " and ambient light" };
     let [low, high, size] = extent(scene);
-    let [spheres, disks] = geometry.spheres_and_disks();
+    let PrimitiveCounts { triangles, quads, spheres, disks } = geometry.counts();
     vec![
         ("image", format!("{width} x {height}, {rays} per pixel")),
         ("shapes", shapes.count().to_string()),
-        ("triangles", geometry.triangles.len().to_string()),
+        ("triangles", triangles.to_string()),
         ("zero-area", scene.dropped.degenerate.to_string()),
         ("vertices", geometry.positions.len().to_string()),
-        ("quads", geometry.quads.len().to_string()),
+        ("quads", quads.to_string()),
         ("spheres", spheres.to_string()),
         ("disks", disks.to_string()),
         ("lights", format!("{}{around}", lights.len())),

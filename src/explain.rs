@@ -13,6 +13,7 @@ use wavecrest_base::error::Result;
 use wavecrest_base::memory;
 use wavecrest_base::words::{Size, counted};
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::counters::{RayCounts, SampleCounts};
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{ColumnGroup, PASSES, Pass, Step};
 use wavecrest_core::prepared::PreparedScene;
@@ -20,7 +21,6 @@ use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_report::expected::Expected;
-use wavecrest_report::statistics::{Rays, Samples};
 use wavecrest_scene::systems::Extracted;
 
 /// Explain which passes a render runs and why, measure its memory once prepared, and estimate its rays and time.
@@ -144,8 +144,8 @@ impl Explanation<'_> {
         let Self { scene, bvh, expected, .. } = self;
         let counted = |Rendered { counters, columns, seconds, .. }: &Rendered| {
             json!({
-                "rays": Rays::from(counters),
-                "samples": Samples::from(counters),
+                "rays": counters.rays,
+                "samples": counters.samples,
                 "tree": scene.accel.tree_bytes(),
                 "batches": columns,
                 "peak": memory::peak(),
@@ -288,7 +288,7 @@ fn verdict(e: &Explanation<'_>) -> String {
     let parts = [("read", e.load), ("build", build), ("trace", trace)];
     let parts = parts.map(|(what, of_it)| format!("{} s to {what}", seconds(of_it))).join(", ");
     let threads = counted(rayon::current_num_threads() as u64, "thread");
-    let Rays { primary, secondary, shadow } = e.expected.rays;
+    let RayCounts { primary, secondary, shadow } = e.expected.rays;
     let about = |n: u64| grouped(rounded(n as f64, 3) as u64);
     let kinds = [(primary, "camera"), (secondary, "secondary"), (shadow, "shadow")];
     let kinds = kinds.into_iter().filter(|(n, _)| *n > 0);
@@ -319,13 +319,13 @@ fn work(e: &Explanation<'_>) -> String {
         "    points on lights",
         "    texels read",
     ];
-    let counts = |rays: &Rays, samples: &Samples| {
-        let Rays { primary, secondary, shadow } = *rays;
+    let counts = |rays: &RayCounts, samples: &SampleCounts| {
+        let RayCounts { primary, secondary, shadow } = *rays;
         [primary, secondary, shadow, samples.lens, samples.light, samples.texels].map(grouped)
     };
     let expected = counts(&e.expected.rays, &e.expected.samples);
     let rendered = e.rendered.as_ref().map(|rendered| &rendered.counters);
-    let rendered = rendered.map(|counters| counts(&counters.into(), &counters.into()));
+    let rendered = rendered.map(|counters| counts(&counters.rays, &counters.samples));
     let mut text = row("work", "estimate", rendered.as_ref().map(|_| "counted"));
     for (i, name) in NAMES.iter().enumerate() {
         let counted = rendered.as_ref().map(|counted| counted[i].as_str());

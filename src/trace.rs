@@ -14,14 +14,13 @@ use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::tree::{Tree, Visits};
 use wavecrest_core::accel::{Accel, Hit, KernelChoice, Traversal, rays_at_once};
-use wavecrest_core::counters::Counters;
+use wavecrest_core::counters::{Counters, KernelCounts};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::TracerKind;
 use wavecrest_report::ray_file::RayFile;
-use wavecrest_report::statistics::ClassUse;
 use wavecrest_scene::mesh;
 
 /// Trace a file of rays against a mesh, and print the speed.
@@ -98,6 +97,8 @@ fn run_here(args: &TraceArgs) -> Result<()> {
     let answers = time_passes(&accel, &file, args.tracer, args.repeats);
     let per_ray = |count: u64| count as f64 / rays.max(1) as f64;
     let Counters { tests, kernels, .. } = answers.work;
+    let mut classes = kernels.closest;
+    classes += kernels.shadow;
     let report = TraceReport {
         rays,
         any_hit: file.any_hit,
@@ -118,10 +119,10 @@ fn run_here(args: &TraceArgs) -> Result<()> {
         expected_visits: accel.tree().map(Tree::expected_visits).unwrap_or_default(),
         nodes_per_ray: per_ray(tests.nodes),
         leaves_per_ray: per_ray(tests.leaves),
-        triangles_per_ray: per_ray(tests.triangles),
+        triangles_per_ray: per_ray(tests.primitives.triangles),
         settled_per_ray: per_ray(tests.settled),
         exact_per_ray: per_ray(tests.exact),
-        kernels: (&kernels.both()).into(),
+        kernels: classes,
         compared: Compared::new(&file, &answers),
     };
     print(&if args.json { to_json(&report)? } else { report.text() })?;
@@ -249,7 +250,7 @@ struct TraceReport {
     triangles_per_ray: f64,
     settled_per_ray: f64,
     exact_per_ray: f64,
-    kernels: ClassUse,
+    kernels: KernelCounts,
     compared: Compared,
 }
 
@@ -326,8 +327,9 @@ impl TraceReport {
         let (preset, precision, simd) =
             (self.preset.name(), self.precision.name(), self.simd.name());
         let Visits { nodes, leaves } = self.expected_visits;
-        let ClassUse { packet, handed_over, stream, single, .. } = &self.kernels;
-        let average = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
+        let KernelCounts { packet, handed_over, stream, single, .. } = &self.kernels;
+        let average =
+            |value| Option::from(value).map_or("-".to_owned(), |v: f64| format!("{v:.1}"));
         let [a_node, a_round] = [self.kernels.rays_a_node, self.kernels.rays_a_round].map(average);
         format!(
             "{mrays_s:.2} Mrays/s: {rays} rays ({kind}), {hits} hits, {invalid} invalid, {seconds:.4} s, \

@@ -15,7 +15,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
-use wavecrest_report::statistics::{Rays, Time, pass_map};
+use wavecrest_report::statistics::{Time, pass_map};
 
 /// A scene that is ready to be traced, and what the finished images of the command took.
 pub(super) struct Renderer<'a> {
@@ -96,7 +96,7 @@ impl<'a> Renderer<'a> {
     /// Adds a render with its seconds.
     pub(super) fn add(&mut self, counters: &Counters, seconds: f64) {
         self.finished += 1;
-        self.rays += Rays::from(counters).all();
+        self.rays += counters.rays.all();
         self.traced_seconds += seconds;
     }
 

@@ -9,7 +9,7 @@ use super::renderer::Renderer;
 use crate::common::{to_json, write_text};
 use wavecrest_base::error::Result;
 use wavecrest_base::memory;
-use wavecrest_report::statistics::{Bvh, KernelUse, Memory, Rays, Samples, Tests, Textures};
+use wavecrest_report::statistics::{Bvh, Memory, Textures};
 
 /// Writes the statistics to `file`.
 ///
@@ -35,11 +35,11 @@ pub(super) fn write(file: &Path, renderer: &Renderer<'_>, outcome: &Outcome) -> 
             "height": film.height(),
             "samples_per_pixel": scene.camera.rays_per_pixel(),
         },
-        "rays": Rays::from(counters),
-        "samples": Samples::from(counters),
-        "textures": Textures::from(&scene.appearance),
-        "tests": Tests::from(counters),
-        "kernels": KernelUse::from(counters),
+        "rays": counters.rays,
+        "samples": counters.samples,
+        "textures": Textures::of(&scene.appearance),
+        "tests": counters.tests,
+        "kernels": counters.kernels,
         "dropped": scene.dropped,
         "invalid": counters.invalid,
         "first_invalid": invalid,

@@ -8,6 +8,7 @@ use serde::Serialize;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::counters::PrimitiveCounts;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
@@ -15,7 +16,6 @@ use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::agreement::agreement;
 use wavecrest_report::selftest::examine::{GeometryFacts, SceneTrial, shape, trial};
 use wavecrest_report::selftest::{Effort, Outcome};
-use wavecrest_report::statistics::ShapeCounts;
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::mesh;
 use wavecrest_scene::systems::{self, Options};
@@ -64,7 +64,7 @@ impl Examined {
 
     /// The shapes in words.
     fn described(&self) -> String {
-        let ShapeCounts { triangles, quads, spheres, disks } = self.shape.shapes;
+        let PrimitiveCounts { triangles, quads, spheres, disks } = self.shape.shapes;
         let GeometryFacts { instanced, dropped, slivers, longest, borders, crowded, .. } =
             self.shape;
         let counts = [

@@ -28,7 +28,6 @@ use wavecrest_core::render::units::Order;
 use wavecrest_core::render::{Rendered, Watch};
 use wavecrest_image::look::{self, Look};
 use wavecrest_report::accuracy::pilot::{NO_ERROR, measured};
-use wavecrest_report::statistics::{Rays, Samples, Tests};
 use wavecrest_scene::components::View;
 use wavecrest_scene::systems::frame;
 
@@ -268,7 +267,7 @@ impl<'a> Painter<'a> {
         let size = self.steering.view.placement().size;
         let Some(rendered) = self.shoot(index, refinement, size, false)? else { return Ok(false) };
         let pixels = rendered.film.pixels().len();
-        if rendered.counters.primary_rays <= pixels as u64 {
+        if rendered.counters.rays.primary <= pixels as u64 {
             self.pace = Some(pixels as f64 / rendered.seconds);
         }
         if refinement.is_measured && self.look.is_none() {
@@ -364,7 +363,7 @@ impl<'a> Painter<'a> {
 /// What a render took, for the page.
 fn figures_of(words: &str, rendered: &Rendered, moves: bool) -> Value {
     let Rendered { counters, seconds, pass_seconds, .. } = rendered;
-    let (rays, all) = (Rays::from(counters), pass_seconds.iter().map(|(_, s)| s).sum::<f64>());
+    let (rays, all) = (counters.rays, pass_seconds.iter().map(|(_, s)| s).sum::<f64>());
     let shares = pass_seconds.iter().map(|(name, s)| (name, s / all));
     json!({
         "samples": words,
@@ -375,7 +374,7 @@ fn figures_of(words: &str, rendered: &Rendered, moves: bool) -> Value {
         "rays": rays.all(),
         "rays_per_second": rays.all() as f64 / seconds,
         "passes": shares.filter(|(_, share)| *share > 0.0).collect::<Vec<_>>(),
-        "counters": {"rays": rays, "samples": Samples::from(counters), "tests": Tests::from(counters)},
+        "counters": {"rays": rays, "samples": counters.samples, "tests": counters.tests},
         "done": 1.0,
         "rests": false,
         "moving": moves,

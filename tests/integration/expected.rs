@@ -17,13 +17,13 @@ fn a_pilot_of_some_pixels_tells_the_rays_and_texels_of_all() {
         let again = Expected::of(&scene, &options()).expect("a pilot");
         let c = render(&scene, &options(), &()).expect("an image").counters;
         let (rays, samples) = (expected.rays, expected.samples);
-        assert_eq!((rays.primary, samples.lens), (c.primary_rays, c.lens_samples), "{name}");
+        assert_eq!((rays.primary, samples.lens), (c.rays.primary, c.samples.lens), "{name}");
         for (what, found, counted) in [
-            ("mirror rays", rays.secondary, c.secondary_rays),
-            ("shadow rays", rays.shadow, c.shadow_rays),
-            ("light numbers", samples.light, c.light_samples),
-            ("texels", samples.texels, c.look_ups.texels),
-            ("footprints", samples.footprints, c.look_ups.footprints),
+            ("mirror rays", rays.secondary, c.rays.secondary),
+            ("shadow rays", rays.shadow, c.rays.shadow),
+            ("light numbers", samples.light, c.samples.light),
+            ("texels", samples.texels, c.samples.texels),
+            ("footprints", samples.footprints, c.samples.footprints),
         ] {
             let off = found.abs_diff(counted) as f64 / counted.max(1) as f64;
             assert!(off < 0.05, "{name}, {what}: {found} expected, {counted} counted");

@@ -79,7 +79,7 @@ fn write_part_in_two(scene: &PreparedScene, shard: Shard, file: &Path) {
         let session = begin(scene, &options, Some(shard), Some(checkpoint)).expect("a session");
         let watch = EndAt(&session, share);
         let done = session.render_units(&watch, &no_warning).expect("the units");
-        (session.share(), session.write(file), done.counters.primary_rays)
+        (session.share(), session.write(file), done.counters.rays.primary)
     };
     let (share, _, first) = go(&at(false), 1e-9);
     assert!(share > 0.0, "one unit is there");
@@ -197,16 +197,16 @@ fn a_stopped_render_resumes_to_the_same_bits() {
             let mut rays = 0;
             for (resume, share) in [(false, 0.2), (true, 0.5), (true, 0.0), (true, 2.0)] {
                 let rendered = go(resume, share);
-                rays += rendered.counters.primary_rays;
+                rays += rendered.counters.rays.primary;
                 assert_eq!(rendered.finished, share > 1.0);
                 assert!(!rendered.finished || rendered.film.same_bits(&whole.film), "{tracer:?}");
             }
             let at_once = begin(scene, &options, None, None)
                 .and_then(|session| session.render(&(), &no_warning));
-            assert_eq!(rays, at_once.expect("a film").counters.primary_rays);
+            assert_eq!(rays, at_once.expect("a film").counters.rays.primary);
             let before = std::fs::read(&file).expect("a checkpoint");
             let again = go(true, 2.0);
-            assert_eq!(again.counters.primary_rays, 0);
+            assert_eq!(again.counters.rays.primary, 0);
             assert!(again.finished && again.film.same_bits(&whole.film));
             assert_eq!(std::fs::read(&file).expect("a checkpoint"), before);
             assert!(merge(&[file]).expect("a part").film.same_bits(&whole.film));

@@ -10,7 +10,7 @@ use wavecrest_core::kernels::shade;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::vector::Line;
-use wavecrest_core::prepared::{Interaction, LookUps, PreparedScene};
+use wavecrest_core::prepared::{Interaction, PreparedScene, SampleCounts};
 use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::systems::{Options, extract};
 
@@ -113,7 +113,7 @@ fn a_magnified_trilinear_texture_is_bilinear_to_the_last_bit() {
         let shapes = [wall(4.0, 0.0, grey()), sphere([0.0; 3], 1.0, grey())];
         let scene = plain(0, &pinhole([24, 24], 16.0, 5.0), &shapes.map(|s| worn(s, filter)));
         let scene = ready([5, 3], |x, y| [x as f32 / 5.0, y as f32 / 3.0, 0.4], &scene);
-        (image_of(&scene, 0), render_on(1, &scene, &options()).counters.look_ups)
+        (image_of(&scene, 0), render_on(1, &scene, &options()).counters.samples)
     };
     let ((bilinear, simple), (trilinear, filtered)) = (render("bilinear"), render("trilinear"));
     assert!(trilinear.same_bits(&bilinear));
@@ -129,7 +129,7 @@ fn minified_textures_read_two_levels() {
         let wall = worn(wall(half, 0.0, grey()), "trilinear");
         let scene = plain(0, &pinhole([16, 16], 40.0, 5.0), &[wall]);
         let scene = ready([256, 256], |x, _| [x as f32 / 256.0; 3], &scene);
-        let found = render_on(1, &scene, &options()).counters.look_ups;
+        let found = render_on(1, &scene, &options()).counters.samples;
         assert_eq!((found.footprints, found.texels), (16 * 16, texels * 16 * 16), "{half}");
     }
 }
@@ -201,7 +201,7 @@ fn mirrored(scene: &PreparedScene, [x, y]: [u32; 2], mirrors: usize) -> (Ray, Di
     let mut differential = None;
     for _ in 0..mirrors {
         let hit = scene.accel.closest(&ray, &mut scene.accel.traversal());
-        let mut look_ups = LookUps::default();
+        let mut look_ups = SampleCounts::default();
         let met = scene.interaction::<Exact>(&ray, &hit, differential, &mut look_ups);
         let Interaction::Surface(point, _) = met else { panic!("({x}, {y}) meets no surface") };
         let request = shade::mirror_request(&point, Vec3::ONE.into()).expect("a mirror ray");

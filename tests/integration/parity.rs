@@ -123,15 +123,13 @@ fn check_settings(
         same(&usual.film, &found.film, setting)?;
         let (c, rays) = (&found.counters, &found.counters.kernels);
         // Camera rays that meet nothing are left out by the batch: how many depends on its size.
-        let expected = if batch == options().batch {
-            work(&usual.counters)
-        } else {
-            let Counters { primary_rays, lens_samples, .. } = *c;
-            Counters { primary_rays, lens_samples, ..work(&usual.counters) }
-        };
+        let mut expected = work(&usual.counters);
+        if batch != options().batch {
+            (expected.rays.primary, expected.samples.lens) = (c.rays.primary, c.samples.lens);
+        }
         if work(c) != expected
-            || rays.closest.rays() != c.primary_rays + c.secondary_rays
-            || rays.shadow.rays() != c.shadow_rays
+            || rays.closest.rays() != c.rays.primary + c.rays.secondary
+            || rays.shadow.rays() != c.rays.shadow
         {
             return Err(format!("{setting:?}: {c:?}, not {expected:?}"));
         }
@@ -290,7 +288,7 @@ fn scenes_of_all_differentials_and_of_blocks_of_samples_have_one_image_too() {
     }
     let scene = prepare(&filtered);
     let usual = render_on(1, &scene, &options());
-    assert!(usual.counters.look_ups.footprints > usual.counters.secondary_rays);
+    assert!(usual.counters.samples.footprints > usual.counters.rays.secondary);
     // The filter does something in this scene: bilinear is another image.
     let bilinear = image(&parsed(&FILTERED.replace("trilinear", "bilinear")));
     assert!(!bilinear.same_bits(&usual.film));

@@ -5,11 +5,10 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use wavecrest_core::counters::Counters;
 use wavecrest_core::film::Film;
 use wavecrest_core::plan::schedule::{Needs, PASSES, Pass, unplanned};
 use wavecrest_core::plan::{Effect, Plan};
-use wavecrest_core::prepared::{LookUps, PreparedScene};
+use wavecrest_core::prepared::{PreparedScene, SampleCounts};
 use wavecrest_core::render::{RenderOptions, Rendered, camera_rays};
 use wavecrest_report::effects::scenes::{SceneVariant, variants};
 use wavecrest_scene::systems::Options;
@@ -150,24 +149,24 @@ pub(crate) fn check_work(
     let c = &rendered.counters;
     let cast = camera_rays(scene, options).expect("an image");
     let drawn = if scene.camera.has_lens() { cast } else { 0 };
-    assert_eq!((c.primary_rays, c.lens_samples), (cast, drawn), "{what}");
+    assert_eq!((c.rays.primary, c.samples.lens), (cast, drawn), "{what}");
     let schedule = scene.plan.schedule();
     let draws_lights = scene.lights.iter().any(|light| light.is_sampled());
     let looks_up = !scene.appearance.images.is_empty()
         && LOOK_UPS.iter().any(|&effect| scene.plan.has(effect));
     for (counted, called_for) in [
-        (c.secondary_rays, schedule.goes_on()),
-        (c.shadow_rays, schedule.has_shadows()),
-        (c.light_samples, draws_lights),
-        (c.look_ups.colors, scene.plan.has(Effect::VertexColors)),
-        (c.look_ups.texels, looks_up),
-        (c.lens_samples, scene.plan.has(Effect::DepthOfField)),
-        (c.look_ups.footprints, scene.plan.has(Effect::RayDifferentials)),
-        (c.tests.triangles, scene.plan.has(Effect::Triangles)),
-        (c.tests.quads, scene.plan.has(Effect::Quads)),
+        (c.rays.secondary, schedule.goes_on()),
+        (c.rays.shadow, schedule.has_shadows()),
+        (c.samples.light, draws_lights),
+        (c.samples.colors, scene.plan.has(Effect::VertexColors)),
+        (c.samples.texels, looks_up),
+        (c.samples.lens, scene.plan.has(Effect::DepthOfField)),
+        (c.samples.footprints, scene.plan.has(Effect::RayDifferentials)),
+        (c.tests.primitives.triangles, scene.plan.has(Effect::Triangles)),
+        (c.tests.primitives.quads, scene.plan.has(Effect::Quads)),
         (c.tests.cutouts, scene.plan.has(Effect::CutOuts)),
-        (c.tests.spheres, scene.plan.has(Effect::Spheres)),
-        (c.tests.disks, scene.plan.has(Effect::Disks)),
+        (c.tests.primitives.spheres, scene.plan.has(Effect::Spheres)),
+        (c.tests.primitives.disks, scene.plan.has(Effect::Disks)),
     ] {
         assert!(called_for || counted == 0, "{what}: {c:?}");
     }
@@ -308,9 +307,8 @@ fn a_need_taken_out_of_the_table_is_missed() {
 fn cost(scene: &PreparedScene, rendered: &Rendered) -> [u64; 8] {
     let c = &rendered.counters;
     let (columns, appearance) = (rendered.columns, scene.appearance.bytes());
-    let Counters { lens_samples, light_samples, secondary_rays, .. } = *c;
-    let LookUps { colors, texels, footprints, .. } = c.look_ups;
-    [lens_samples, light_samples, colors, texels, footprints, secondary_rays, columns, appearance]
+    let SampleCounts { lens, light, colors, texels, footprints, .. } = c.samples;
+    [lens, light, colors, texels, footprints, c.rays.secondary, columns, appearance]
 }
 
 #[test]

@@ -8,7 +8,6 @@ use image::{Rgba, RgbaImage};
 use serde_json::{Value, json};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::counters::Counters;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::LANES;
 use wavecrest_core::plan::Effect;
@@ -170,28 +169,28 @@ fn cost(scene: &PreparedScene, pixels: u64) -> String {
     // Rays that wait take more, and not every path has one.
     let [least, most] =
         if scene.plan.has(Effect::Transparency) { [full / 2, u64::MAX] } else { [full; 2] };
-    let is_stored = counts.primary_rays > 0 && !scene.plan.has(Effect::TintedHighlights);
+    let is_stored = counts.rays.primary > 0 && !scene.plan.has(Effect::TintedHighlights);
     let columns = if is_stored { least..=most } else { 0..=most };
     assert!(columns.contains(&wavefront.columns) && recursive.columns == 0, "{wavefront:?}");
     let by_pixel = [
-        ("camera rays", counts.primary_rays),
-        ("secondary rays", counts.secondary_rays),
-        ("shadow rays", counts.shadow_rays),
-        ("points on lenses", counts.lens_samples),
-        ("points on lights", counts.light_samples),
-        ("vertex colours", counts.look_ups.colors),
-        ("texels", counts.look_ups.texels),
-        ("footprints", counts.look_ups.footprints),
+        ("camera rays", counts.rays.primary),
+        ("secondary rays", counts.rays.secondary),
+        ("shadow rays", counts.rays.shadow),
+        ("points on lenses", counts.samples.lens),
+        ("points on lights", counts.samples.light),
+        ("vertex colours", counts.samples.colors),
+        ("texels", counts.samples.texels),
+        ("footprints", counts.samples.footprints),
     ];
     let by_pixel = by_pixel.iter().filter(|(_, count)| *count > 0);
     let by_pixel =
         by_pixel.map(|&(name, count)| format!("{name} {}", count as f64 / pixels as f64));
     let tests = [counts.tests, recursive.counters.tests];
     let kinds = [
-        ("triangles", tests.map(|tests| tests.triangles)),
-        ("quads", tests.map(|tests| tests.quads)),
-        ("spheres", tests.map(|tests| tests.spheres)),
-        ("disks", tests.map(|tests| tests.disks)),
+        ("triangles", tests.map(|tests| tests.primitives.triangles)),
+        ("quads", tests.map(|tests| tests.primitives.quads)),
+        ("spheres", tests.map(|tests| tests.primitives.spheres)),
+        ("disks", tests.map(|tests| tests.primitives.disks)),
         ("cut-outs", tests.map(|tests| tests.cutouts)),
     ];
     let kinds =
@@ -238,13 +237,13 @@ fn pixels_without_shapes_cost_nothing() {
         every.accel.rebuild(Preset::Brute);
         for (found, every) in both_alone(&scene).iter().zip(&both_alone(&every)) {
             assert!(found.film.same_bits(&every.film));
-            let [cast, all] = [found, every].map(|rendered| rendered.counters.primary_rays);
+            let [cast, all] = [found, every].map(|rendered| rendered.counters.rays.primary);
             assert_eq!(all, 64 * 48 * 16);
             assert!(cast > 0 && cast < all / 4, "{cast} of {all}");
-            let Counters { primary_rays, lens_samples, .. } = found.counters;
             let drawn = if scene.camera.has_lens() { cast } else { 0 };
-            assert_eq!(lens_samples, drawn);
-            let others = Counters { primary_rays, lens_samples, ..work(&every.counters) };
+            assert_eq!(found.counters.samples.lens, drawn);
+            let mut others = work(&every.counters);
+            (others.rays.primary, others.samples.lens) = (cast, drawn);
             assert_eq!(work(&found.counters), others);
         }
     }
@@ -275,7 +274,7 @@ fn a_texture_that_no_ray_meets_is_not_decoded() {
         }
         for tracer in TRACERS {
             match render(&scene, &RenderOptions { tracer, ..options() }, &()) {
-                Ok(rendered) => assert_eq!((rendered.counters.secondary_rays, code), (0, 0)),
+                Ok(rendered) => assert_eq!((rendered.counters.rays.secondary, code), (0, 0)),
                 Err(error) => {
                     assert!(error.to_string().contains("scene.shapes[0].texture: cannot"))
                 }

@@ -1,24 +1,134 @@
 //! Exact counts of the work of a render: they show that a scene pays only for the effects it uses.
+//!
+//! What statistics show of them is serialised under the names of the fields.
 
-use std::ops::{AddAssign, Sub};
+use std::ops::AddAssign;
 
 use bytemuck::{Pod, Zeroable};
+use serde::Serialize;
+
+/// Declares groups of counts, which add up field by field.
+macro_rules! counts {
+    ($($(#[$doc:meta])+ $name:ident { $($(#[$about:meta])+ $field:ident: $kind:ty,)+ })+) => {$(
+        $(#[$doc])+
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable, Serialize)]
+        #[repr(C)]
+        pub struct $name {
+            $($(#[$about])+ pub $field: $kind,)+
+        }
+
+        impl AddAssign for $name {
+            fn add_assign(&mut self, other: Self) {
+                *self = each(*self, other, |a, b| a + b);
+            }
+        }
+    )+};
+}
+
+counts! {
+    /// Rays by kind.
+    RayCounts {
+        /// Camera rays.
+        primary: u64,
+        /// Rays that go on from surfaces: mirrored, refracted, or straight on.
+        secondary: u64,
+        /// Shadow rays.
+        shadow: u64,
+    }
+
+    /// Points sampled, hits on surfaces, and look-ups in textures and mesh attributes.
+    SampleCounts {
+        /// Points sampled on the lens.
+        lens: u64,
+        /// Points sampled on area lights.
+        light: u64,
+        /// Hits whose colour was interpolated between vertices.
+        colors: u64,
+        /// Texels read.
+        texels: u64,
+        /// Footprints of rays: at each hit one for the coordinates of its trilinear textures, and one for
+        /// each ray that goes on from a surface if there are such textures.
+        footprints: u64,
+        /// Hits on surfaces whose look is constant and that are opaque.
+        #[serde(skip)]
+        plain: u64,
+        /// Other hits on surfaces: on those with maps, and on transparent ones.
+        #[serde(skip)]
+        mapped: u64,
+        /// Look-ups of maps at these hits, each of one map at one hit.
+        #[serde(skip)]
+        maps: u64,
+    }
+
+    /// Primitives by kind, or tests of them.
+    PrimitiveCounts {
+        /// Triangles.
+        triangles: u64,
+        /// Quads; of tests, those of their halves.
+        quads: u64,
+        /// Spheres.
+        spheres: u64,
+        /// Disks.
+        disks: u64,
+    }
+
+    /// Work while tracing.
+    TestCounts {
+        /// Inner nodes visited, each testing the boxes of its children.
+        nodes: u64,
+        /// Instances visited, counted for each ray.
+        instances: u64,
+        /// Hits on cut-outs that would replace the ray's best, each with a look-up of alpha.
+        cutouts: u64,
+        /// Primitives tested.
+        primitives: PrimitiveCounts,
+        /// Leaves visited.
+        #[serde(skip)]
+        leaves: u64,
+        /// Triangles that single precision left open, settled in double precision.
+        #[serde(skip)]
+        settled: u64,
+        /// Triangles that double precision left open too, decided in exact arithmetic.
+        #[serde(skip)]
+        exact: u64,
+        /// Hits whose t was found when their ray was done.
+        #[serde(skip)]
+        finished: u64,
+    }
+
+    /// The kernels' work for rays of one class. Every ray counts for its first kernel: `packet`, `stream` and
+    /// `single` sum up to all rays.
+    KernelCounts {
+        /// Rays taken by packets.
+        packet: u64,
+        /// Rays that packets handed over to the kernel in flight.
+        handed_over: u64,
+        /// Rays in flight from their start.
+        stream: u64,
+        /// Rays taken alone.
+        single: u64,
+        /// Rays of a packet that visit a node together.
+        rays_a_node: Average,
+        /// Rays in flight in a round.
+        rays_a_round: Average,
+    }
+
+    /// The work of the kernels, by query.
+    Kernels {
+        /// For closest-hit rays: all but shadow rays.
+        closest: KernelCounts,
+        /// For any-hit rays: shadow rays.
+        shadow: KernelCounts,
+    }
+}
 
 /// Counts for one thread or for a whole render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Camera rays.
-    pub primary_rays: u64,
-    /// Rays that go on from surfaces: mirrored, refracted, or straight on.
-    pub secondary_rays: u64,
-    /// Shadow rays.
-    pub shadow_rays: u64,
-    /// Points sampled on the lens.
-    pub lens_samples: u64,
-    /// Points sampled on area lights.
-    pub light_samples: u64,
-    /// Hits on surfaces, and what is looked up there.
-    pub look_ups: LookUps,
+    /// Rays.
+    pub rays: RayCounts,
+    /// Samples and look-ups.
+    pub samples: SampleCounts,
     /// Tests of boxes and primitives.
     pub tests: TestCounts,
     /// Rays by the kernel that traced them.
@@ -35,7 +145,7 @@ pub struct Counters {
 }
 
 /// A sample of a pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Sample {
     /// The pixel: its row times the image's width plus its column.
     pub pixel: u32,
@@ -53,12 +163,8 @@ impl Counters {
 
 impl AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
-        self.primary_rays += other.primary_rays;
-        self.secondary_rays += other.secondary_rays;
-        self.shadow_rays += other.shadow_rays;
-        self.lens_samples += other.lens_samples;
-        self.light_samples += other.light_samples;
-        self.look_ups += other.look_ups;
+        self.rays += other.rays;
+        self.samples += other.samples;
         self.tests += other.tests;
         self.kernels += other.kernels;
         self.add_invalid(other.invalid, other.first_invalid);
@@ -67,54 +173,19 @@ impl AddAssign for Counters {
     }
 }
 
-/// Exact counts of hits on surfaces, and of look-ups in textures and mesh attributes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct LookUps {
-    /// Hits on surfaces whose look is constant and that are opaque.
-    pub plain: u64,
-    /// Other hits on surfaces: on those with maps, and on transparent ones.
-    pub mapped: u64,
-    /// Look-ups of maps at these hits, each of one map at one hit.
-    pub maps: u64,
-    /// Hits whose colour was interpolated between vertices.
-    pub colors: u64,
-    /// Texels read.
-    pub texels: u64,
-    /// Footprints of rays: at each hit one for the coordinates of its trilinear textures, and one for
-    /// each ray that goes on from a surface if there are such textures.
-    pub footprints: u64,
+impl RayCounts {
+    /// Rays of every kind.
+    pub fn all(&self) -> u64 {
+        self.primary + self.secondary + self.shadow
+    }
 }
 
-/// Exact counts of the work while tracing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct TestCounts {
-    /// Inner nodes visited, each testing the boxes of its children.
-    pub nodes: u64,
-    /// Leaves visited.
-    pub leaves: u64,
-    /// Triangles tested.
-    pub triangles: u64,
-    /// Halves of quads tested.
-    pub quads: u64,
-    /// Spheres tested.
-    pub spheres: u64,
-    /// Disks tested.
-    pub disks: u64,
-    /// Hits on cut-outs that would replace the ray's best, each with a look-up of alpha.
-    pub cutouts: u64,
-    /// Instances visited, counted for each ray.
-    pub instances: u64,
-    /// Triangles that single precision left open, settled in double precision.
-    pub settled: u64,
-    /// Triangles that double precision left open too, decided in exact arithmetic.
-    pub exact: u64,
-    /// Hits whose t was found when their ray was done.
-    pub finished: u64,
-}
+impl PrimitiveCounts {
+    /// Those of every kind.
+    pub fn all(&self) -> u64 {
+        self.triangles + self.quads + self.spheres + self.disks
+    }
 
-impl TestCounts {
     /// Counts tests of `count` triangles, `quads` of them halves of quads, by `rays` rays.
     #[inline(always)]
     pub(crate) fn count_triangles(&mut self, count: u32, quads: u32, rays: u32) {
@@ -123,66 +194,34 @@ impl TestCounts {
     }
 }
 
-/// Exact counts of the kernels' work for rays of one class. Every ray counts for its first kernel:
-/// `packet`, `stream` and `single` sum up to all rays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct KernelCounts {
-    /// Rays taken by packets.
-    pub packet: u64,
-    /// Rays that packets handed over to the kernel in flight.
-    pub handed_over: u64,
-    /// Rays in flight from their start.
-    pub stream: u64,
-    /// Rays taken alone.
-    pub single: u64,
-    /// Nodes visited by packets.
-    pub packet_nodes: u64,
-    /// Rays of the packet at those nodes, summed over all visits.
-    pub packet_rays: u64,
-    /// Rounds of rays in flight.
-    pub rounds: u64,
-    /// Rays in flight, summed over all rounds.
-    pub in_flight: u64,
-}
-
 impl KernelCounts {
     /// Rays of the class.
     pub fn rays(&self) -> u64 {
         self.packet + self.stream + self.single
     }
-
-    /// Average number of rays of a packet that visit a node together; `None` without packets.
-    pub fn rays_a_node(&self) -> Option<f64> {
-        average(self.packet_rays, self.packet_nodes)
-    }
-
-    /// Average number of rays in flight in a round; `None` without any.
-    pub fn rays_a_round(&self) -> Option<f64> {
-        average(self.in_flight, self.rounds)
-    }
 }
 
-fn average(sum: u64, count: u64) -> Option<f64> {
-    (count > 0).then(|| sum as f64 / count as f64)
-}
-
-/// The work of the kernels, by query.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+/// An average, which is `None` of nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable, Serialize)]
 #[repr(C)]
-pub struct Kernels {
-    /// For closest-hit rays: all but shadow rays.
-    pub closest: KernelCounts,
-    /// For any-hit rays: shadow rays.
-    pub shadow: KernelCounts,
+#[serde(into = "Option<f64>")]
+pub struct Average {
+    sum: u64,
+    count: u64,
 }
 
-impl Kernels {
-    /// The sum over both classes.
-    pub fn both(&self) -> KernelCounts {
-        let mut both = self.closest;
-        both += self.shadow;
-        both
+impl Average {
+    /// Adds `count` numbers with this sum.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, sum: u64, count: u64) {
+        self.sum += sum;
+        self.count += count;
+    }
+}
+
+impl From<Average> for Option<f64> {
+    fn from(Average { sum, count }: Average) -> Self {
+        (count > 0).then(|| sum as f64 / count as f64)
     }
 }
 
@@ -192,22 +231,4 @@ pub(crate) fn each<T: Pod>(mut counts: T, others: T, join: impl Fn(u64, u64) -> 
     let others: &[u64] = bytemuck::cast_slice(std::slice::from_ref(&others));
     fields.iter_mut().zip(others).for_each(|(count, &other)| *count = join(*count, other));
     counts
-}
-
-macro_rules! sums {
-    ($($counts:ty),+) => {$(impl AddAssign for $counts {
-        fn add_assign(&mut self, other: Self) {
-            *self = each(*self, other, |a, b| a + b);
-        }
-    })+};
-}
-
-sums!(LookUps, TestCounts, KernelCounts, Kernels);
-
-impl Sub for TestCounts {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        each(self, other, |a, b| a - b)
-    }
 }

@@ -13,7 +13,7 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::counters::TestCounts;
+use crate::counters::{PrimitiveCounts, TestCounts};
 use crate::kernels::{Aabb, Arithmetic, Precision, ShearedSpace, SlabRay, quad, triangle};
 use crate::math::Ray;
 use crate::math::float::min;
@@ -113,10 +113,15 @@ impl Geometry {
         self.triangles.len() + self.quads.len() + self.quadrics.len()
     }
 
-    /// Number of spheres, and of disks.
-    pub fn spheres_and_disks(&self) -> [usize; 2] {
+    /// Number of primitives of each kind, without those of instances.
+    pub fn counts(&self) -> PrimitiveCounts {
         let spheres = self.quadrics.iter().filter(|quadric| quadric.sphere().is_some()).count();
-        [spheres, self.quadrics.len() - spheres]
+        PrimitiveCounts {
+            triangles: self.triangles.len() as u64,
+            quads: self.quads.len() as u64,
+            spheres: spheres as u64,
+            disks: (self.quadrics.len() - spheres) as u64,
+        }
     }
 
     /// Number of stored primitives: those of a prototype count once.
@@ -280,11 +285,11 @@ impl Geometry {
     ) -> Option<f32> {
         match self.primitive(number) {
             Primitive::Triangle(i) => {
-                tests.triangles += 1;
+                tests.primitives.triangles += 1;
                 triangle::meet(ray, &self.triangle(i))
             }
             Primitive::Quad(i) => {
-                tests.quads += 2;
+                tests.primitives.quads += 2;
                 let [first, second] = quad::halves(&self.quad(i));
                 match (triangle::meet(ray, &first), triangle::meet(ray, &second)) {
                     (Some(s), Some(t)) => Some(min(s, t)),

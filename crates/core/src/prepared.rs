@@ -27,7 +27,7 @@ pub use shadow_crossings::{Crossing, ShadowCrossings};
 pub use transmission::{Branch, MOST_RAYS, PathState};
 
 use crate::accel::Accel;
-pub use crate::counters::LookUps;
+pub use crate::counters::SampleCounts;
 use crate::kernels::camera::path::Path;
 pub use crate::kernels::corners::{CornerValues, NO_VALUE};
 pub use crate::kernels::shade::Visible;

@@ -9,8 +9,7 @@ use std::cell::Cell;
 use glam::Vec3;
 
 use crate::accel::{Accel, Hit, Traversal};
-use crate::counters::Sample;
-use crate::counters::TestCounts;
+use crate::counters::{Sample, TestCounts};
 use crate::geometry::{Geometry, Primitive, Quadric};
 use crate::kernels::{Arithmetic, LightPoint, Precision, ShadingPoint};
 use crate::math::float::{UNIT_ROUNDOFF, normalize};
@@ -171,7 +170,7 @@ impl Observer for Recorder<'_> {
             medium: state.media.medium().map(place_of_solid),
             nodes: tests.nodes,
             leaves: tests.leaves,
-            primitives: tests.triangles + tests.quads + tests.spheres + tests.disks,
+            primitives: tests.primitives.all(),
             met,
             radiance: Vec3::ZERO,
             end: None,

@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 use glam::Vec3;
 
 use crate::accel::{Hit, Traversal};
-use crate::counters::{Counters, Sample, TestCounts};
+use crate::counters::{Counters, Sample, TestCounts, each};
 use crate::kernels::{
     Arithmetic, Hemisphere, Light, LightPoint, ShadingPoint, ShadowRequest, shade,
 };
@@ -168,8 +168,8 @@ impl<P: Arithmetic> Recursive<P> {
         observer: &mut impl Observer,
     ) -> Vec3 {
         let ray = scene.camera.ray(x, y, &stream);
-        self.counters.primary_rays += 1;
-        self.counters.lens_samples += u64::from(scene.camera.has_lens());
+        self.counters.rays.primary += 1;
+        self.counters.samples.lens += u64::from(scene.camera.has_lens());
         let (shadows, transmits) = (self.schedule.has_shadows(), self.schedule.has_transmission());
         let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut radiance = Vec3::ZERO;
@@ -180,20 +180,20 @@ impl<P: Arithmetic> Recursive<P> {
             let before = self.traversal.tests;
             let found = scene.accel.search::<P>().closest(&ray, &mut self.traversal);
             let hit = if state.next.is_miss() { found } else { state.next };
-            observer.ray(&at, &hit, self.traversal.tests - before);
+            observer.ray(&at, &hit, each(self.traversal.tests, before, |a, b| a - b));
             if transmits {
                 at.throughput *= scene.remaining(&ray, &state.media, hit.t);
             }
             let throughput = at.throughput;
             let waiting = self.waiting.len();
             let found =
-                scene.interaction::<P>(&ray, &hit, at.differential, &mut self.counters.look_ups);
+                scene.interaction::<P>(&ray, &hit, at.differential, &mut self.counters.samples);
             // By reference: a copy of a shading point takes time.
             let end = match &found {
                 Interaction::Surface(point, class) => {
                     let transparency = class.transparency.as_ref().filter(|_| transmits);
                     let scattered = transparency.map(|transparency| {
-                        let memory = (&mut self.traversal, &mut self.counters.look_ups);
+                        let memory = (&mut self.traversal, &mut self.counters.samples);
                         scene.scatter::<P>(&at, &hit, transparency, point, memory)
                     });
                     let own = scattered.map_or(throughput, |(own, _)| own);
@@ -218,7 +218,7 @@ impl<P: Arithmetic> Recursive<P> {
                     } else {
                         if let Some((next, throughput)) = mirror_ray(point, throughput) {
                             let differential = self.differentials.then(|| {
-                                let found = &mut self.counters.look_ups;
+                                let found = &mut self.counters.samples;
                                 scene.mirrored(at.differential, &ray, &hit, point, found)
                             });
                             let state = state.mirrored();
@@ -253,7 +253,7 @@ impl<P: Arithmetic> Recursive<P> {
                 self.waiting.clear();
             }
             let Some(next) = self.waiting.pop() else { return radiance };
-            self.counters.secondary_rays += 1;
+            self.counters.rays.secondary += 1;
             stream.bounce += 1;
             at = next;
         }
@@ -277,21 +277,21 @@ impl<P: Arithmetic> Recursive<P> {
                 }
                 let place = [number, index as usize];
                 let target = light.point(index, stream);
-                self.counters.light_samples += u64::from(light.is_sampled());
+                self.counters.samples.light += u64::from(light.is_sampled());
                 let ambient = scene.hemisphere.as_ref();
                 let request = shadow_request(point, throughput, light, &target, ambient);
                 let Some(request) = request else {
                     observer.light(place, &target, None);
                     continue;
                 };
-                self.counters.shadow_rays += 1;
+                self.counters.rays.shadow += 1;
                 self.counters.lights_at_surface += u64::from(request.at_light);
                 let occluded =
                     scene.accel.search::<P>().occluded(&request.ray(), &mut self.traversal);
                 let transmittance = (!occluded).then(|| match self.schedule.has_transmission() {
                     true => {
                         let Self { crossings, traversal, counters, .. } = &mut *self;
-                        let look_ups = &mut counters.look_ups;
+                        let look_ups = &mut counters.samples;
                         let ray = (&request.ray(), media);
                         scene.transmittance::<P>(ray, crossings, traversal, look_ups)
                     }

@@ -97,7 +97,7 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
                     self.batch.waiting.clear();
                     break;
                 }
-                self.counters.secondary_rays += self.batch.rays.len() as u64;
+                self.counters.rays.secondary += self.batch.rays.len() as u64;
             }
             self.timed(TimedPass::Resolve, |own| own.resolve(sums));
             start = end;

@@ -15,7 +15,7 @@ use wavecrest_core::math::float::dot;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::{
-    Branch, Interaction, LookUps, MOST_RAYS, MediumStack, PathState, PreparedScene, surface,
+    Branch, Interaction, MOST_RAYS, MediumStack, PathState, PreparedScene, SampleCounts, surface,
 };
 use wavecrest_core::render::Watch;
 use wavecrest_core::render::units::Grid;
@@ -63,7 +63,7 @@ fn straight_on<P: Arithmetic>(
     traversal: &mut Traversal,
 ) -> (Option<VisibleHit>, f64) {
     let transmits = scene.plan.schedule().has_transmission();
-    let look_ups = &mut LookUps::default();
+    let look_ups = &mut SampleCounts::default();
     let (mut first, mut passed, mut waiting) = (None, 0.0, Vec::new());
     let state = PathState { media: *media, ..PathState::default() };
     let mut at = Branch { ray: *ray, throughput: Vec3::ONE, state, differential: None };

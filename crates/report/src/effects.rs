@@ -36,11 +36,12 @@ use crate::bench::page::machine;
 use crate::bench::{Machine, Ratio, Run};
 use crate::measure::{RoundLimits, Rounds, Timing, busy};
 use crate::page::{Block, Cell, Table};
-use crate::statistics::{ImageSize, Rays, Samples};
+use crate::statistics::ImageSize;
 use crate::summary::{Summary, median};
 use scenes::SceneVariant;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::counters::{Counters, RayCounts, SampleCounts};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::plan::Effect;
@@ -87,8 +88,8 @@ pub struct Price {
     pub added_to: Option<String>,
     pub reached: bool,
     pub simulated: Vec<&'static str>,
-    pub rays: Rays,
-    pub samples: Samples,
+    pub rays: RayCounts,
+    pub samples: SampleCounts,
     pub bytes_per_path: usize,
     pub wavefront: TracerCost,
     pub recursive: TracerCost,
@@ -121,7 +122,7 @@ pub fn measure(
     let mut list = PriceList {
         version: env!("CARGO_PKG_VERSION"),
         machine: Machine::this(),
-        image: entries.first().map(|entry| (&entry.scene).into()),
+        image: entries.first().map(|entry| ImageSize::of(&entry.scene)),
         setting,
         rounds: Rounds::default(),
         difference: None,
@@ -161,8 +162,8 @@ fn price(
     first: &Rendered,
 ) -> Option<Price> {
     let EffectScene { variant, scene } = &entries[index];
-    let rays = Rays::from(&first.counters);
-    let hits = (first.counters.look_ups.plain + first.counters.look_ups.mapped) as f64;
+    let Counters { rays, samples, .. } = first.counters;
+    let hits = (samples.plain + samples.mapped) as f64;
     let has_images = !scene.appearance.images.is_empty() || scene.plan.has(Effect::CutOuts);
     let map_of = variant.added_to.filter(|_| variant.reached && has_images);
     let cost = |tracer: usize| {
@@ -185,7 +186,7 @@ fn price(
         reached: variant.reached,
         simulated: present.map(|decision| decision.effect.name()).collect(),
         rays,
-        samples: (&first.counters).into(),
+        samples,
         bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
         wavefront: cost(0)?,
         recursive: cost(1)?,

@@ -9,10 +9,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::measure::processor_seconds;
-use crate::statistics::{Rays, Samples};
 use crate::summary::generator;
 use wavecrest_base::error::Result;
-use wavecrest_core::counters::Counters;
+use wavecrest_core::counters::{Counters, RayCounts, SampleCounts};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::Order;
 use wavecrest_core::render::{
@@ -38,9 +37,9 @@ pub struct Expected {
     /// Pixels of the pilot.
     pub pixels: u64,
     /// Rays by kind. Camera rays are exact.
-    pub rays: Rays,
+    pub rays: RayCounts,
     /// Samples by kind. Those on the lens are exact.
-    pub samples: Samples,
+    pub samples: SampleCounts,
     /// Seconds of tracing, on the threads of the current pool.
     pub seconds: f64,
     /// The share of these in which hits on surfaces with maps, or that let light through, are shaded.
@@ -59,7 +58,7 @@ impl Expected {
     /// # Errors
     /// If an image cannot be decoded.
     pub fn of(scene: &PreparedScene, options: &RenderOptions) -> Result<Self> {
-        let rays = |counters: &Counters| Rays::from(counters).all() as f64;
+        let rays = |counters: &Counters| counters.rays.all() as f64;
         let (few, first) = count(scene, options, FEW);
         let side = f64::from(FEW) * (RAYS / rays(&few)).sqrt();
         let side = (side as u32).clamp(SIDES[0], SIDES[1]);
@@ -73,29 +72,31 @@ impl Expected {
         }
         let size = scene.camera.size().map(u64::from);
         let paths = size[0] * size[1] * u64::from(scene.camera.rays_per_pixel());
-        let scale = paths as f64 / counters.primary_rays as f64;
+        let scale = paths as f64 / counters.rays.primary as f64;
         let all = |count: u64| (count as f64 * scale).round() as u64;
         let primary = camera_rays(scene, options)?;
-        let (found, samples) = (Rays::from(&counters), Samples::from(&counters));
-        let rays = Rays { primary, secondary: all(found.secondary), shadow: all(found.shadow) };
+        let (found, samples) = (counters.rays, counters.samples);
+        let rays =
+            RayCounts { primary, secondary: all(found.secondary), shadow: all(found.shadow) };
         // Few tiles with many rays each would not be all over the image.
         let most = (RAYS / 2.0 * paths as f64 / rays.all() as f64) as usize;
         let batch = most.max(LEAST_BATCH).min(options.batch);
         let larger = (options.batch / batch) as u64;
         let options = RenderOptions { batch, ..*options };
-        let share = |done: &Counters| (1 + Rays::from(done).all()) as f64 / (1 + rays.all()) as f64;
+        let share = |done: &Counters| (1 + done.rays.all()) as f64 / (1 + rays.all()) as f64;
         let (seconds, moment) = timed(scene, &options, TIMED, share)?;
         let of_passes: f64 = moment.pass_seconds.iter().map(|(_, seconds)| seconds).sum();
         let maps = moment.pass_seconds.get(TimedPass::Maps as usize).map_or(0.0, |(_, maps)| *maps);
         Ok(Self {
-            pixels: counters.primary_rays,
+            pixels: counters.rays.primary,
             rays,
-            samples: Samples {
+            samples: SampleCounts {
                 lens: if scene.camera.has_lens() { primary } else { 0 },
                 light: all(samples.light),
                 colors: all(samples.colors),
                 texels: all(samples.texels),
                 footprints: all(samples.footprints),
+                ..samples
             },
             seconds,
             maps: if of_passes > 0.0 { maps / of_passes } else { 0.0 },

@@ -40,113 +40,43 @@ use serde_json::{Map, Value};
 
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::counters::{Counters, KernelCounts, TestCounts};
-use wavecrest_core::geometry::Geometry;
 use wavecrest_core::prepared::{Appearance, LazyImage, PreparedScene};
 
-/// Groups of counts, each with what it is taken from.
-macro_rules! counts {
-    ($($(#[doc = $doc:literal])+ $name:ident($from:ident: $all:ty) {
-        $($field:ident: $kind:ty = $value:expr,)+
-    })+) => {$(
-        $(#[doc = $doc])+
-        #[derive(Clone, Copy, Debug, Default, Serialize)]
-        pub struct $name {
-            $(pub $field: $kind,)+
+/// The size of the whole image.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct ImageSize {
+    pub width: u32,
+    pub height: u32,
+    pub samples_per_pixel: u32,
+}
+
+impl ImageSize {
+    /// That of the images of `scene`.
+    pub fn of(scene: &PreparedScene) -> Self {
+        let [width, height] = scene.camera.size();
+        Self { width, height, samples_per_pixel: scene.camera.rays_per_pixel() }
+    }
+}
+
+/// Images of textures.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Textures {
+    pub images: usize,
+    pub decoded: usize,
+    pub bytes: u64,
+    pub invalid: u64,
+}
+
+impl Textures {
+    /// Those of `appearance`.
+    pub fn of(appearance: &Appearance) -> Self {
+        let images = &appearance.images;
+        Self {
+            images: images.len(),
+            decoded: images.iter().filter(|image| image.decoded().is_some()).count(),
+            bytes: images.iter().map(LazyImage::bytes).sum(),
+            invalid: images.iter().filter_map(LazyImage::held).map(|image| image.invalid).sum(),
         }
-
-        impl From<&$all> for $name {
-            fn from($from: &$all) -> Self {
-                Self { $($field: $value,)+ }
-            }
-        }
-    )+};
-}
-
-counts! {
-    /// The size of the whole image.
-    ImageSize(s: PreparedScene) {
-        width: u32 = s.camera.size()[0],
-        height: u32 = s.camera.size()[1],
-        samples_per_pixel: u32 = s.camera.rays_per_pixel(),
-    }
-
-    /// Shapes by kind, without those of instances.
-    ShapeCounts(g: Geometry) {
-        triangles: usize = g.triangles.len(),
-        quads: usize = g.quads.len(),
-        spheres: usize = g.spheres_and_disks()[0],
-        disks: usize = g.spheres_and_disks()[1],
-    }
-
-    /// Rays by kind.
-    Rays(c: Counters) {
-        primary: u64 = c.primary_rays,
-        secondary: u64 = c.secondary_rays,
-        shadow: u64 = c.shadow_rays,
-    }
-
-    /// Samples by kind.
-    Samples(c: Counters) {
-        lens: u64 = c.lens_samples,
-        light: u64 = c.light_samples,
-        colors: u64 = c.look_ups.colors,
-        texels: u64 = c.look_ups.texels,
-        footprints: u64 = c.look_ups.footprints,
-    }
-
-    /// Images of textures.
-    Textures(a: Appearance) {
-        images: usize = a.images.len(),
-        decoded: usize = a.images.iter().filter(|image| image.decoded().is_some()).count(),
-        bytes: u64 = a.images.iter().map(LazyImage::bytes).sum(),
-        invalid: u64 = a.images.iter().filter_map(LazyImage::held).map(|image| image.invalid).sum(),
-    }
-
-    /// Tests by kind.
-    Tests(c: Counters) {
-        nodes: u64 = c.tests.nodes,
-        instances: u64 = c.tests.instances,
-        cutouts: u64 = c.tests.cutouts,
-        primitives: PrimitiveTests = (&c.tests).into(),
-    }
-
-    /// Tests of primitives by kind.
-    PrimitiveTests(c: TestCounts) {
-        triangles: u64 = c.triangles,
-        quads: u64 = c.quads,
-        spheres: u64 = c.spheres,
-        disks: u64 = c.disks,
-    }
-
-    /// Rays by kernel, in both classes.
-    KernelUse(c: Counters) {
-        closest: ClassUse = (&c.kernels.closest).into(),
-        shadow: ClassUse = (&c.kernels.shadow).into(),
-    }
-
-    /// Rays of one class by kernel.
-    ClassUse(c: KernelCounts) {
-        packet: u64 = c.packet,
-        handed_over: u64 = c.handed_over,
-        stream: u64 = c.stream,
-        single: u64 = c.single,
-        rays_a_node: Option<f64> = c.rays_a_node(),
-        rays_a_round: Option<f64> = c.rays_a_round(),
-    }
-}
-
-impl Rays {
-    /// Rays of every kind.
-    pub fn all(&self) -> u64 {
-        self.primary + self.secondary + self.shadow
-    }
-}
-
-impl PrimitiveTests {
-    /// Tests of every kind.
-    pub fn all(&self) -> u64 {
-        self.triangles + self.quads + self.spheres + self.disks
     }
 }
 

@@ -196,11 +196,11 @@ pub(super) fn cross_each<P: Arithmetic>(
     {
         let found = match geometry.primitive(primitive) {
             Primitive::Triangle(i) => {
-                tests.triangles += 1;
+                tests.primitives.triangles += 1;
                 [triangle::crossing(ray, &geometry.triangle(i)), None]
             }
             Primitive::Quad(i) => {
-                tests.quads += 2;
+                tests.primitives.quads += 2;
                 let halves = quad::halves(&geometry.quad(i));
                 halves.map(|half| triangle::crossing(ray, &half))
             }

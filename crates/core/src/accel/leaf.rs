@@ -82,7 +82,7 @@ pub(super) fn test<S: Lanes, P: Arithmetic>(
     tests: &mut TestCounts,
 ) -> LaneHits {
     let &LeafHead { count, quads, extent, .. } = arena.head(place);
-    tests.count_triangles(count, quads, 1);
+    tests.primitives.count_triangles(count, quads, 1);
     let used = first_lanes(count);
     if P::IS_REFERENCE {
         return LaneHits { open: used, ..LaneHits::default() };

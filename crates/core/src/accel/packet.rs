@@ -116,8 +116,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     kernel.packet += coherence.fit;
     kernel.handed_over += handed.queue.len() as u64 - coherence.unfit;
     kernel.stream += rays.count() as u64 - coherence.fit;
-    kernel.packet_nodes += coherence.visits;
-    kernel.packet_rays += coherence.rays;
+    kernel.rays_a_node.add(coherence.rays, coherence.visits);
     if !handed.queue.is_empty() || next < rays.count() {
         let source = RaySource { rays, handed, next, root };
         stream::trace::<S, Q, P>(simd, searched, source, answers, flight, (tests, kernel, noted));

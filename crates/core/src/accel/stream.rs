@@ -105,8 +105,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     }
     // The inner loops are short, so that the processor overlaps many rays.
     while rounds.next.count() > 0 {
-        kernel.rounds += 1;
-        kernel.in_flight += rounds.next.count() as u64;
+        kernel.rays_a_round.add(rounds.next.count() as u64, 1);
         rounds.visit_nodes(simd, &mut met);
         rounds.visit_patches(simd, &mut found);
         rounds.visit_others(simd, Kind::Soup);

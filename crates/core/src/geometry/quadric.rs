@@ -97,8 +97,8 @@ impl Quadric {
     #[inline(always)]
     pub(crate) fn count(&self, tests: &mut TestCounts, rays: u32) {
         match self {
-            Self::Sphere(..) => tests.spheres += u64::from(rays),
-            Self::Disk(_) => tests.disks += u64::from(rays),
+            Self::Sphere(..) => tests.primitives.spheres += u64::from(rays),
+            Self::Disk(_) => tests.primitives.disks += u64::from(rays),
         }
     }
 }

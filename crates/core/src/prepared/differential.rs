@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 
-use super::{Group, GroupHits, LookUps, PreparedScene, three};
+use super::{Group, GroupHits, PreparedScene, SampleCounts, three};
 use crate::accel::Hit;
 use crate::geometry::ShadingKind;
 use crate::kernels::differential::turn_between;
@@ -45,7 +45,7 @@ impl PreparedScene {
         ray: &Ray,
         hit: &Hit,
         point: &ShadingPoint<f32>,
-        look_ups: &mut LookUps,
+        look_ups: &mut SampleCounts,
     ) -> Differential {
         look_ups.footprints += 1;
         let (group, line) = (self.group(ray, hit), Line::from(ray));
@@ -60,7 +60,7 @@ impl PreparedScene {
         (ray, hit): (&Ray, &Hit),
         point: &ShadingPoint<f32>,
         &Refracted { direction, ratio, smooth, .. }: &Refracted,
-        look_ups: &mut LookUps,
+        look_ups: &mut SampleCounts,
     ) -> Differential {
         look_ups.footprints += 1;
         let line = Line::from(ray);

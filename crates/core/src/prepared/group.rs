@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Appearance, Class, LookUps, PreparedScene};
+use super::{Appearance, Class, PreparedScene, SampleCounts};
 use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::{Material, ShadingPoint, SurfacePoint, surface};
 use crate::math::{LANES, Line, Ray, Single, Vector};
@@ -225,7 +225,7 @@ impl<F: Single> Group<F> {
 
     /// Counts the hits, of this class if it is not plain.
     #[inline(always)]
-    pub fn count(&self, class: &Class, counts: &mut LookUps) {
+    pub fn count(&self, class: &Class, counts: &mut SampleCounts) {
         let hits = u64::from(self.used.count_ones());
         *(if class.is_plain() { &mut counts.plain } else { &mut counts.mapped }) += hits;
         counts.maps += hits * class.maps.len() as u64;

@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 
-use super::{Class, Face, Group, GroupHits, LookUpPlace, LookUps, PreparedScene, three};
+use super::{Class, Face, Group, GroupHits, LookUpPlace, PreparedScene, SampleCounts, three};
 use crate::accel::Hit;
 use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::{Arithmetic, Differential, Reflection, ShadingPoint, SurfacePoint, surface};
@@ -82,7 +82,7 @@ impl<F: Single> Group<F> {
         hits: GroupHits<'_, F>,
         scene: &PreparedScene,
         carried: &dyn Fn(usize) -> Option<Differential>,
-        look_ups: &mut LookUps,
+        look_ups: &mut SampleCounts,
     ) -> ShadingPoint<F> {
         let (_, line, t) = hits;
         let token = t.token();
@@ -163,7 +163,7 @@ impl PreparedScene {
         ray: &Ray,
         hit: &Hit,
         differential: Option<Differential>,
-        look_ups: &mut LookUps,
+        look_ups: &mut SampleCounts,
     ) -> Interaction<'_> {
         if hit.is_miss() {
             return Interaction::Nothing;

@@ -6,7 +6,7 @@
 use glam::{Mat3, Vec3};
 
 use super::class::{Map, Property};
-use super::{Class, Coordinates, Group, LookUps, PreparedScene, Texture, UvMap, set, three};
+use super::{Class, Coordinates, Group, PreparedScene, SampleCounts, Texture, UvMap, set, three};
 use crate::kernels::differential::uv_change;
 use crate::kernels::texture::{sphere_directions, sphere_uv, sphere_uv_change};
 use crate::kernels::{
@@ -35,7 +35,7 @@ pub(super) struct LookUpPlace<'a, F: Single> {
 /// Look-ups at a place, with what earlier ones found.
 struct LookUp<'a, F: Single> {
     place: &'a LookUpPlace<'a, F>,
-    counts: &'a mut LookUps,
+    counts: &'a mut SampleCounts,
     /// The changes of the points from one sample to the next.
     steps: Option<[Vector<F>; 2]>,
     coordinates: Option<(&'a Coordinates, [F; 2])>,
@@ -51,7 +51,7 @@ impl<'a, F: Single> LookUpPlace<'a, F> {
         &'a self,
         class: &'a Class,
         point: &mut ShadingPoint<F>,
-        counts: &'a mut LookUps,
+        counts: &'a mut SampleCounts,
     ) {
         let mut look_up = LookUp::at(self, counts);
         point.color = self.color(class, &mut look_up);
@@ -118,7 +118,7 @@ impl<'a, F: Single> LookUpPlace<'a, F> {
     pub(super) fn opacity_and_tint(
         &'a self,
         class: &'a Class,
-        counts: &'a mut LookUps,
+        counts: &'a mut SampleCounts,
     ) -> (F, Vector<F>) {
         let (mut look_up, mut opacity) = (LookUp::at(self, counts), self.t.same(class.opacity()));
         for map in &class.maps {
@@ -206,7 +206,7 @@ impl<'a, F: Single> LookUpPlace<'a, F> {
 
 impl<'a, F: Single> LookUp<'a, F> {
     #[inline(always)]
-    fn at(place: &'a LookUpPlace<'a, F>, counts: &'a mut LookUps) -> Self {
+    fn at(place: &'a LookUpPlace<'a, F>, counts: &'a mut SampleCounts) -> Self {
         Self { place, counts, steps: None, coordinates: None, footprint: None, level: None }
     }
 

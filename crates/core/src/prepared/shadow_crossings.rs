@@ -8,7 +8,7 @@
 use glam::{DVec3, Vec3};
 
 use super::interface::{LEAST_COSINE, close_depth};
-use super::{Face, Group, LookUpPlace, LookUps, MediumStack, PreparedScene, Shape, set};
+use super::{Face, Group, LookUpPlace, MediumStack, PreparedScene, SampleCounts, Shape, set};
 use crate::accel::{Hit, Rays, Traversal};
 use crate::geometry::ShadingKind;
 use crate::kernels::Arithmetic;
@@ -122,7 +122,7 @@ impl PreparedScene {
         (ray, media): (&Ray, MediumStack),
         list: &mut ShadowCrossings,
         traversal: &mut Traversal,
-        look_ups: &mut LookUps,
+        look_ups: &mut SampleCounts,
     ) -> Vec3 {
         let rays = Rays::Rows(std::slice::from_ref(ray));
         self.collect_crossings::<P>(rays, (0, &[false]), &|_| media, list, traversal);
@@ -170,7 +170,7 @@ impl ShadowCrossings {
         scene: &PreparedScene,
         (kind, faces): (ShadingKind, &[Face]),
         group: &mut Group<F>,
-        look_ups: &mut LookUps,
+        look_ups: &mut SampleCounts,
     ) {
         let (appearance, geometry) = (&scene.appearance, scene.accel.geometry());
         group.begin_crossings(faces, appearance);

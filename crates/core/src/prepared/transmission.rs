@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::{Interface, InterfaceHit, LookUps, MediumStack, PreparedScene, Sides};
+use super::{Interface, InterfaceHit, MediumStack, PreparedScene, SampleCounts, Sides};
 use crate::accel::{Hit, Traversal};
 use crate::geometry::Geometry;
 use crate::kernels::{Arithmetic, Differential, ShadingPoint, Transparency, shade};
@@ -137,7 +137,7 @@ impl PreparedScene {
         hit: &Hit,
         transparency: &Transparency,
         point: &ShadingPoint<f32>,
-        (traversal, look_ups): (&mut Traversal, &mut LookUps),
+        (traversal, look_ups): (&mut Traversal, &mut SampleCounts),
     ) -> (Vec3, [Option<Branch>; 3]) {
         let Branch { ray, state, mut throughput, .. } = *incoming;
         let interface = self.interface::<P>(incoming, (hit, point), transparency, traversal);

@@ -27,8 +27,8 @@ impl<P: Arithmetic> Wavefront<P> {
         let next = NextPaths::new(unit, paths.start);
         let generate = Generate { scene, tile, seed: *seed, count, next, batch };
         dispatch_any_width(scene.accel.level, generate);
-        counters.primary_rays += count as u64;
-        counters.lens_samples += if scene.camera.has_lens() { count as u64 } else { 0 };
+        counters.rays.primary += count as u64;
+        counters.samples.lens += if scene.camera.has_lens() { count as u64 } else { 0 };
     }
 }
 

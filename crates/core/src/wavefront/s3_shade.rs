@@ -15,7 +15,7 @@ use crate::kernels::shade::mirror_request;
 use crate::kernels::{Arithmetic, Differential, ShadingPoint, Transparency};
 use crate::math::{AnyWidth, LANES, Line, Mask, Single, Vector, dispatch_any_width, set_bits};
 use crate::plan::schedule::Step;
-use crate::prepared::{Branch, Face, Group, LookUps, MediumStack, PathState, PreparedScene};
+use crate::prepared::{Branch, Face, Group, MediumStack, PathState, PreparedScene, SampleCounts};
 use crate::tile::{PassClock, TimedPass};
 
 impl<P: Arithmetic> Wavefront<P> {
@@ -219,7 +219,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         let throughput = fetch(token, &rays.throughput, &numbers);
         let path = numbers.map(|ray| rays.path[ray as usize]);
         let class = group.class(&self.scene.appearance);
-        group.count(class, &mut self.counters.look_ups);
+        group.count(class, &mut self.counters.samples);
         if !self.needs_points {
             let light = group.colors(token).scale(F::splat(token, self.scene.ambient));
             self.add(group.used, &path, throughput * light);
@@ -228,7 +228,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         let origin = fetch(token, &rays.origin, &numbers);
         let line = Line { origin, direction: fetch(token, &rays.direction, &numbers) };
         let hits = (kind, &line, self.distances::<F>(token, kind, &numbers));
-        let mut look_ups = LookUps::default();
+        let mut look_ups = SampleCounts::default();
         let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
         let scene = self.scene;
         let point = group.shading_points::<P>(hits, scene, &carried, &mut look_ups);
@@ -237,7 +237,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             None => throughput,
             Some(through) => self.scatter(group, through, (&point, throughput), &mut look_ups),
         };
-        self.counters.look_ups += look_ups;
+        self.counters.samples += look_ups;
         let [mut own, mut direct] = [throughput; 2];
         if self.transmits && scene.visible.has_faint() {
             for lane in set_bits::<LANES>(group.used) {
@@ -277,7 +277,7 @@ impl<P: Arithmetic> Shade<'_, P> {
                     || group.mirrored(scene, hits, &carried, &point),
                 );
                 let asked = next.asked.bits();
-                self.counters.look_ups.footprints += u64::from(asked.count_ones());
+                self.counters.samples.footprints += u64::from(asked.count_ones());
                 set_bits::<LANES>(asked)
                     .for_each(|lane| self.batch.push_differential(mirrored.lane(lane)));
             }
@@ -292,7 +292,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         group: &Group<F>,
         transparency: &Transparency,
         (points, mut throughputs): (&ShadingPoint<F>, Vector<F>),
-        look_ups: &mut LookUps,
+        look_ups: &mut SampleCounts,
     ) -> Vector<F> {
         for lane in set_bits::<LANES>(group.used) {
             let i = group.faces[lane].ray as usize;

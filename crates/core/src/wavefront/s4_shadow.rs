@@ -15,7 +15,7 @@ use crate::kernels::shade::shadow_request;
 use crate::kernels::{Arithmetic, Hemisphere, Light};
 use crate::math::{AnyWidth, Mask, Single, Stream, dispatch_any_width};
 use crate::plan::schedule::Step;
-use crate::prepared::{Group, LookUps, PreparedScene, ShadowCrossings};
+use crate::prepared::{Group, PreparedScene, SampleCounts, ShadowCrossings};
 
 impl<P: Arithmetic> Wavefront<P> {
     /// Adds every light's contributions to the paths. Returns whether it added all: it was not `cancelled`.
@@ -79,7 +79,7 @@ impl<P: Arithmetic> Wavefront<P> {
             next =
                 scene.collect_crossings::<P>(rays, (next, occluded), &inside, crossings, traversal);
             let precision = PhantomData::<P>;
-            let look_ups = &mut counters.look_ups;
+            let look_ups = &mut counters.samples;
             let evaluated = EvaluatedCrossings { scene, crossings, sorted, look_ups, precision };
             dispatch_any_width(scene.accel.level, evaluated);
             crossings.transmittances(scene, traversal, |ray, transmittance| {
@@ -178,12 +178,12 @@ impl ShadowRequests<'_> {
         }
         let stream = Stream { seed: self.seed, pixel: 0, sample: 0, bounce: self.bounce };
         let targets = light.points::<F>(token, index, stream, places);
-        counters.light_samples += if light.is_sampled() { count as u64 } else { 0 };
+        counters.samples.light += if light.is_sampled() { count as u64 } else { 0 };
         let request = shadow_request(&points, throughput, light, &targets, *ambient);
         let Some(request) = request else { return };
         shadows.provide();
         let path = &lit.path[point..point + F::LANES];
-        counters.shadow_rays += shadows.push_lanes(&request, path) as u64;
+        counters.rays.shadow += shadows.push_lanes(&request, path) as u64;
         let at_light = (request.at_light & request.asked).bits();
         counters.lights_at_surface += u64::from(at_light.count_ones());
     }
@@ -194,7 +194,7 @@ struct EvaluatedCrossings<'a, P> {
     scene: &'a PreparedScene,
     crossings: &'a mut ShadowCrossings,
     sorted: &'a mut SortedHits,
-    look_ups: &'a mut LookUps,
+    look_ups: &'a mut SampleCounts,
     precision: PhantomData<P>,
 }
 

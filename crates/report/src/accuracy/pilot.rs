@@ -134,7 +134,7 @@ pub fn choices(
         scene.resample(original, &chosen.samples());
         let options = RenderOptions { seed: pilot_seed(seed, 0), ..RenderOptions::default() };
         let all = camera_rays(scene, &options)?;
-        let done = |done: &Counters| (1 + done.primary_rays) as f64 / (1 + all) as f64;
+        let done = |done: &Counters| (1 + done.rays.primary) as f64 / (1 + all) as f64;
         let moment = SHORT * share / PARTS;
         choices.push(Chosen { seconds: timed(scene, &options, moment, done)?.0, ..chosen });
     }

@@ -18,7 +18,6 @@ use super::{OnProgress, SweepProgress};
 use crate::measure::rounds;
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
-use crate::statistics::Rays;
 use crate::summary::generator;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
@@ -103,7 +102,7 @@ fn points(
                     seed,
                     seconds: rendered.seconds,
                     timing,
-                    rays: Rays::from(&rendered.counters).all(),
+                    rays: rendered.counters.rays.all(),
                     error: errors(&rendered.film, &subject.references[target])?,
                 }))?;
             }

@@ -13,10 +13,9 @@ use super::equal::RunDifference;
 use super::variant::{ListedVariant, Variant, Varied};
 use crate::measure::{RoundLimits, Rounds, TimedRounds, Timing, measure};
 use crate::page::Cell;
-use crate::statistics::{KernelUse, Rays, Tests};
 use crate::summary::{MedianInterval, Summary, median};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::counters::Counters;
+use wavecrest_core::counters::{Counters, Kernels, TestCounts};
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
@@ -62,8 +61,8 @@ pub struct VariantBench {
     pub passes: Vec<(&'static str, f64)>,
     pub costs: Vec<PassCost>,
     pub batch_bytes: u64,
-    pub tests: Tests,
-    pub kernels: KernelUse,
+    pub tests: TestCounts,
+    pub kernels: Kernels,
 }
 
 /// The speed of one variant over that of another.
@@ -255,12 +254,12 @@ fn variants(choices: &[ListedVariant], measured: &[Vec<(Timing, KeptRun)>]) -> V
             gain,
             processors: together.processors(),
             processor_seconds: runs.iter().map(|(timing, _)| timing.processor).collect(),
-            mrays_s: Rays::from(&last.counters).all() as f64 / summary.median / 1e6,
+            mrays_s: last.counters.rays.all() as f64 / summary.median / 1e6,
             costs: costs(&passes, &last.counters),
             passes,
             batch_bytes: last.columns / variant.threads.max(1) as u64,
-            tests: (&last.counters).into(),
-            kernels: (&last.counters).into(),
+            tests: last.counters.tests,
+            kernels: last.counters.kernels,
             seconds: summary,
         })
     };
@@ -282,13 +281,13 @@ pub(super) fn sum(passes: &[(&str, f64)]) -> f64 {
 /// The costs of those of the `passes` that have work, with their seconds. The recursive tracer has none.
 fn costs(passes: &[(&'static str, f64)], c: &Counters) -> Vec<PassCost> {
     let handled = [
-        (TimedPass::Generate, "camera ray", c.primary_rays),
-        (TimedPass::Intersect, "ray", c.primary_rays + c.secondary_rays),
-        (TimedPass::Shade, "plain hit", c.look_ups.plain),
-        (TimedPass::Maps, "mapped hit", c.look_ups.mapped),
-        (TimedPass::Maps, "look-up of a map", c.look_ups.maps),
-        (TimedPass::Shadow, "shadow ray", c.shadow_rays),
-        (TimedPass::Resolve, "sample", c.primary_rays),
+        (TimedPass::Generate, "camera ray", c.rays.primary),
+        (TimedPass::Intersect, "ray", c.rays.primary + c.rays.secondary),
+        (TimedPass::Shade, "plain hit", c.samples.plain),
+        (TimedPass::Maps, "mapped hit", c.samples.mapped),
+        (TimedPass::Maps, "look-up of a map", c.samples.maps),
+        (TimedPass::Shadow, "shadow ray", c.rays.shadow),
+        (TimedPass::Resolve, "sample", c.rays.primary),
     ];
     let with_work = handled.into_iter().filter(|(.., count)| *count > 0);
     let cost = |(pass, of, count): (TimedPass, _, _)| {

@@ -199,9 +199,10 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<(&'static str, String)> {
         (scene.shapes.quads, "quad"),
         (scene.shapes.spheres, "sphere"),
         (scene.shapes.disks, "disk"),
-        (scene.lights, "light"),
+        (scene.lights as u64, "light"),
     ];
-    let kinds = kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n, name));
+    let kinds =
+        kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n as usize, name));
     let (load, build, preset) = (setting.time.load, setting.time.build, setting.preset.name());
     let (path, batch) = (scene.bytes_per_path, setting.batch);
     let cache = |c: &Cache| format!(", L{} of {}", c.level, size(c.bytes));

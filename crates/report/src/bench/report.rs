@@ -12,12 +12,13 @@ use super::machine::Circumstances;
 use super::variant::{Variant, Varied};
 use crate::measure::{self, RoundLimits, busy};
 use crate::plot::number::plural;
-use crate::statistics::{ImageSize, Memory, Rays, ShapeCounts};
+use crate::statistics::{ImageSize, Memory};
 use crate::summary::{CONFIDENCE, ENOUGH};
 use wavecrest_base::error::Result;
 use wavecrest_base::memory;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::counters::{PrimitiveCounts, RayCounts};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::PreparedScene;
@@ -40,12 +41,12 @@ pub struct SceneBench {
     pub setting: BenchSetting,
     pub image: ImageSize,
     #[serde(flatten)]
-    pub shapes: ShapeCounts,
+    pub shapes: PrimitiveCounts,
     pub lights: usize,
     pub bytes_per_path: usize,
     pub memory: Memory,
     pub equal: bool,
-    pub rays: Rays,
+    pub rays: RayCounts,
     pub invalid: u64,
     pub comparisons: Vec<BenchComparison>,
     pub warnings: Vec<String>,
@@ -130,14 +131,14 @@ impl SceneBench {
     /// The report before the first comparison.
     pub(super) fn unmeasured(scene: &PreparedScene, setting: BenchSetting) -> Self {
         Self {
-            image: scene.into(),
-            shapes: scene.accel.geometry().into(),
+            image: ImageSize::of(scene),
+            shapes: scene.accel.geometry().counts(),
             lights: scene.lights.len(),
             bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
             memory: Memory { peak: None },
             setting,
             equal: true,
-            rays: Rays::default(),
+            rays: RayCounts::default(),
             invalid: 0,
             comparisons: Vec::new(),
             warnings: Vec::new(),
@@ -146,7 +147,7 @@ impl SceneBench {
 
     pub(super) fn add(&mut self, found: BenchComparison) {
         if self.comparisons.is_empty() {
-            (self.rays, self.invalid) = ((&found.counters).into(), found.counters.invalid);
+            (self.rays, self.invalid) = (found.counters.rays, found.counters.invalid);
         }
         // One for each remedy is enough.
         for warning in warnings(&found) {

@@ -173,7 +173,7 @@ fn images_that_differ_have_no_times() {
 fn work_that_differs_ends_a_comparison_unless_all_passes_run() {
     let spoil = |variant: usize, run: &mut Run| {
         run.rendered.counters.tests.nodes = variant as u64;
-        run.rendered.counters.look_ups.footprints = variant as u64;
+        run.rendered.counters.samples.footprints = variant as u64;
     };
     let found = compared(Varied::Kernels, 2, |_, _| 0.1, spoil).difference.unwrap();
     let [first, expected, found_there] = ["footprints", "0", "1"].map(str::to_owned);

@@ -47,7 +47,7 @@ fn a_difference_ends_the_measurement() {
     let hidden = entries.iter().position(|e| !e.variant.reached).expect("one");
     let found = measured(&entries, |scene, _, run| {
         let is_hidden = std::ptr::eq(scene, &raw const entries[hidden].scene);
-        run.rendered.counters.look_ups.texels += u64::from(is_hidden);
+        run.rendered.counters.samples.texels += u64::from(is_hidden);
     });
     let difference = found.difference.as_ref().expect("a difference");
     assert!(difference.label.starts_with(&entries[hidden].variant.name));

@@ -9,8 +9,8 @@ use serde::Serialize;
 use super::aim::{BoundingBall, at_any, is_outside, rays};
 use super::errors::HitErrors;
 use super::prelude::*;
-use crate::statistics::ShapeCounts;
 use wavecrest_core::accel::Traversal;
+use wavecrest_core::counters::PrimitiveCounts;
 use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::triangle::is_degenerate;
 use wavecrest_scene::mesh::first_of_each;
@@ -32,9 +32,9 @@ const HITTING: [u32; 2] = [110, 1];
 pub struct GeometryFacts {
     /// Shapes, including degenerate triangles.
     #[serde(flatten)]
-    pub shapes: ShapeCounts,
+    pub shapes: PrimitiveCounts,
     /// Triangles of instances, once for each.
-    pub instanced: usize,
+    pub instanced: u64,
     /// Degenerate triangles, which are dropped.
     pub dropped: u64,
     /// Triangles at least 1000 times as long as high.
@@ -75,8 +75,8 @@ pub fn shape(accel: &Accel) -> GeometryFacts {
     let (slivers, longest) =
         ratios.map(of).reduce(|| (0, 0.0), |a, b| (a.0 + b.0, f64::max(a.1, b.1)));
     GeometryFacts {
-        shapes: geometry.into(),
-        instanced: geometry.len() - geometry.own(),
+        shapes: geometry.counts(),
+        instanced: (geometry.len() - geometry.own()) as u64,
         dropped: accel.left_out(),
         slivers,
         longest,

@@ -215,7 +215,7 @@ mod tests {
             let mut traversal = accel.traversal();
             let hit = accel.closest(&Ray::new(Vec3::Z * 9.0, Vec3::NEG_Z), &mut traversal);
             assert_eq!(hit.primitive, 999);
-            assert!(traversal.tests.spheres < 100, "{preset:?}: {:?}", traversal.tests);
+            assert!(traversal.tests.primitives.spheres < 100, "{preset:?}: {:?}", traversal.tests);
         }
     }
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::accel::build::Preset;
 use crate::accel::tests::{Numbers, answers, bumpy_sphere, through};
 use crate::accel::{Accel, KernelChoice};
-use crate::counters::{KernelCounts, Kernels};
+use crate::counters::{Average, KernelCounts, Kernels};
 use crate::math::simd::Level;
 use crate::math::{Ray, is_wide};
 
@@ -50,8 +50,8 @@ fn counted(rays: &[Ray]) -> [Kernels; 5] {
     })
 }
 
-fn average(value: Option<f64>) -> f64 {
-    value.unwrap_or_default()
+fn average(value: Average) -> f64 {
+    Option::from(value).unwrap_or_default()
 }
 
 #[test]
@@ -62,11 +62,11 @@ fn coherent_rays_are_taken_by_whom_was_chosen() {
     for class in [auto.closest, auto.shadow, packet.closest, packet.shadow] {
         assert_eq!(class.packet, all, "a last tile of more than half is a packet's");
         assert!(class.handed_over > 0);
-        assert!((8.0..=64.0).contains(&average(class.rays_a_node())), "{class:?}");
+        assert!((8.0..=64.0).contains(&average(class.rays_a_node)), "{class:?}");
     }
     for class in [stream.closest, stream.shadow] {
-        assert_eq!((class.stream, class.packet_nodes), (all, 0));
-        assert!((48.0..=64.0).contains(&average(class.rays_a_round())), "{class:?}");
+        assert_eq!((class.stream, class.rays_a_node), (all, Average::default()));
+        assert!((48.0..=64.0).contains(&average(class.rays_a_round)), "{class:?}");
     }
     let alone = KernelCounts { single: all, ..KernelCounts::default() };
     for kernel in [single, reference] {

@@ -76,7 +76,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
         if !Q::ANY {
             arena.prefetch_numbers(first);
         }
-        self.tests.count_triangles(count, quads, rays.count_ones());
+        self.tests.primitives.count_triangles(count, quads, rays.count_ones());
         let mut used = leaf::first_lanes(count);
         let kept = if Q::ANY { self.searched.without_passed(place, used) } else { used };
         if Q::ANY {

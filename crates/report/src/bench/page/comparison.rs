@@ -8,7 +8,7 @@ use crate::measure::busy;
 use crate::page::{Block, Cell, Table};
 use crate::plot::number::{plural, time_unit};
 use crate::plot::{Chart, ChartAxis, Draw, Guide, Point, Scale, Series};
-use crate::statistics::Rays;
+use wavecrest_core::counters::RayCounts;
 use wavecrest_core::render::TracerKind;
 
 /// A comparison: heading, and what its speeds are relative to.
@@ -26,7 +26,11 @@ fn words(of: Varied) -> [&'static str; 2] {
 }
 
 /// The results of a list.
-pub(super) fn comparison(found: &BenchComparison, rays: &Rays, machine: &Machine) -> Vec<Block> {
+pub(super) fn comparison(
+    found: &BenchComparison,
+    rays: &RayCounts,
+    machine: &Machine,
+) -> Vec<Block> {
     let [title, over] = words(found.of);
     let mut blocks = vec![Block::Heading(title.to_owned())];
     if let Some(different) = &found.difference {
@@ -137,7 +141,7 @@ fn costs(wavefront: &VariantBench) -> Table {
 }
 
 /// Tests, rays that are traced together, and the memory of a batch.
-fn work(found: &BenchComparison, rays: &Rays, machine: &Machine) -> Table {
+fn work(found: &BenchComparison, rays: &RayCounts, machine: &Machine) -> Table {
     let caption = match found.of {
         Varied::Ladder => {
             "Nodes visited and primitives tested for a ray; closest-hit rays that are traced together, of a packet at a \
@@ -150,7 +154,9 @@ fn work(found: &BenchComparison, rays: &Rays, machine: &Machine) -> Table {
         let per_ray = |tests: u64| tests as f64 / rays.all().max(1) as f64;
         let tests = [v.tests.nodes, v.tests.primitives.all()].map(per_ray);
         let mut cells = tests.map(|tests| Cell::decimals(tests, 2)).to_vec();
-        cells.extend([closest.rays_a_node, closest.rays_a_round].map(|rays| optional(rays, 1)));
+        cells.extend(
+            [closest.rays_a_node, closest.rays_a_round].map(|rays| optional(rays.into(), 1)),
+        );
         let state = v.batch_bytes;
         let held = machine.holds(state, v.variant.threads).filter(|_| state > 0);
         cells.push(Cell::number(state as f64, if state > 0 { size(state) } else { String::new() }));

@@ -34,17 +34,17 @@ fn passes_are_told_by_what_they_handle() {
     assert_eq!(ladder.difference, None);
     let wavefront = ladder.wavefront().unwrap();
     let counts = ladder.counters;
-    let (hits, rays) = (counts.look_ups, counts.primary_rays + counts.secondary_rays);
+    let (hits, rays) = (counts.samples, counts.rays.primary + counts.rays.secondary);
     assert!(hits.plain > 0 && hits.mapped > 0 && hits.plain + hits.mapped < rays, "{counts:?}");
     assert_eq!(hits.maps, 2 * hits.mapped);
     let expected = [
-        ("camera ray", counts.primary_rays),
+        ("camera ray", counts.rays.primary),
         ("ray", rays),
         ("plain hit", hits.plain),
         ("mapped hit", hits.mapped),
         ("look-up of a map", hits.maps),
-        ("shadow ray", counts.shadow_rays),
-        ("sample", counts.primary_rays),
+        ("shadow ray", counts.rays.shadow),
+        ("sample", counts.rays.primary),
     ];
     let found: Vec<_> = wavefront.costs.iter().map(|cost| (cost.of, cost.count)).collect();
     assert_eq!(found, expected);
