@@ -165,16 +165,16 @@ impl Camera {
     /// The `stream.sample`th ray through pixel (`x`, `y`), in world space, of unit direction.
     #[inline]
     pub fn ray(&self, x: u32, y: u32, stream: &Stream) -> Ray {
-        let places = [&[stream.pixel][..], &[stream.sample]];
-        let Line { origin, direction } = self.rays([x as f32, y as f32], *stream, places);
+        let streams = [&[stream.pixel][..], &[stream.sample]];
+        let Line { origin, direction } = self.rays([x as f32, y as f32], *stream, streams);
         Ray::new(origin.into(), direction.into())
     }
 
     /// The rays through pixels in these columns and rows, of these numbers and samples; `stream` has
     /// the seed.
     #[inline(always)]
-    pub fn rays<F: Single>(&self, [x, y]: [F; 2], stream: Stream, places: [&[u32]; 2]) -> Line<F> {
-        let [across, down] = self.points_in_pixel(x.token(), stream, places);
+    pub fn rays<F: Single>(&self, [x, y]: [F; 2], stream: Stream, streams: [&[u32]; 2]) -> Line<F> {
+        let [across, down] = self.points_in_pixel(x.token(), stream, streams);
         let direction = self.directions(x + across, y + down);
         match &self.lens {
             None => Line { origin: Vector::splat(x.token(), self.origin), direction },
@@ -182,7 +182,7 @@ impl Camera {
                 let (dimension, scramble) = (DIMENSION, LENS_DIMENSION);
                 let draw = Draw { dimension, first: 2, scramble, grid: lens.grid };
                 let index = |sample| (divide(sample, self.lens_points()).1, sample);
-                let square = lens.sampling.points(x.token(), stream, places, draw, index);
+                let square = lens.sampling.points(x.token(), stream, streams, draw, index);
                 self.through_lens(lens, direction, square)
             }
         }
@@ -193,7 +193,7 @@ impl Camera {
         &self,
         token: F::Token,
         stream: Stream,
-        places: [&[u32]; 2],
+        streams: [&[u32]; 2],
     ) -> [F; 2] {
         let n = self.antialias;
         if n == 1 {
@@ -201,7 +201,7 @@ impl Camera {
         }
         let draw = Draw { dimension: DIMENSION, first: 0, scramble: DIMENSION, grid: [n, n] };
         let index = |sample| (divide(sample, self.lens_points()).0, sample);
-        self.sampling.points(token, stream, places, draw, index)
+        self.sampling.points(token, stream, streams, draw, index)
     }
 
     /// The unit directions through the image positions (`x`, `y`) in pixels.

@@ -305,7 +305,7 @@ impl Light {
         token: F::Token,
         index: u32,
         stream: Stream,
-        places: [&[u32]; 2],
+        streams: [&[u32]; 2],
     ) -> LightPoint<F> {
         if let Some(position) = self.emitter.only_point() {
             return LightPoint::of(Vector::splat(token, position));
@@ -316,7 +316,7 @@ impl Light {
         // well as many.
         let number = |sample: u32| sample.wrapping_mul(self.samples()).wrapping_add(index);
         let index = |sample| (index, number(sample));
-        self.at(self.sampling.points(token, stream, places, draw, index))
+        self.at(self.sampling.points(token, stream, streams, draw, index))
     }
 
     /// Its `index`th point.

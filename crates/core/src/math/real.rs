@@ -4,6 +4,7 @@
 //! lanes. Every width computes the same bits: lanes add, multiply, divide and compare like single
 //! values, and no operation is fused.
 
+use bytemuck::Zeroable;
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -139,7 +140,7 @@ pub trait Single: Real<Element = f32> {
     type Token: Copy;
 
     /// The same number of lanes in memory.
-    type Row: Copy + Debug + Default + AsRef<[f32]> + AsMut<[f32]>;
+    type Row: Copy + Debug + Default + Zeroable + AsRef<[f32]> + AsMut<[f32]>;
 
     /// The same number of integers in memory.
     type Integers: Copy + Debug + Default + AsRef<[u32]> + AsMut<[u32]>;

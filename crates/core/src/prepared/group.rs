@@ -1,5 +1,6 @@
 //! The data of hits, fetched for one hit or for eight of a kind: it is spread over memory.
 
+use bytemuck::Zeroable;
 use glam::Vec3;
 
 use super::{Appearance, Class, PreparedScene, SampleCounts};
@@ -8,7 +9,7 @@ use crate::kernels::{Material, ShadingPoint, SurfacePoint, surface};
 use crate::math::{LANES, Line, Ray, Single, Vector};
 
 /// A hit on a surface.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Zeroable)]
 pub struct Face {
     /// The ray, by its number.
     pub ray: u32,
@@ -26,7 +27,8 @@ type AxisRows<F> = [<F as Single>::Row; 3];
 
 /// The data of hits of one kind, up to as many as there are lanes. If the first has a class that is
 /// not plain, the others have the same.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
+#[zeroable(bound = "")]
 pub struct Group<F: Single> {
     /// The hits, one in each lane; unused lanes repeat the last one.
     pub faces: [Face; LANES],
@@ -76,30 +78,7 @@ pub struct Group<F: Single> {
 
 impl<F: Single> Default for Group<F> {
     fn default() -> Self {
-        Self {
-            faces: [Face::default(); LANES],
-            used: 0,
-            two_sided: 0,
-            special: 0,
-            smooth: 0,
-            colored: 0,
-            has_uvs: 0,
-            quads: 0,
-            corners: Default::default(),
-            fourth: Default::default(),
-            carried: Default::default(),
-            normals: Default::default(),
-            tints: Default::default(),
-            alphas: Default::default(),
-            uvs: Default::default(),
-            side: F::Row::default(),
-            color: Default::default(),
-            reflection: Default::default(),
-            kr: F::Row::default(),
-            tint: Default::default(),
-            emission: Default::default(),
-            ambient: F::Row::default(),
-        }
+        Self::zeroed()
     }
 }
 

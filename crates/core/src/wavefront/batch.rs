@@ -12,8 +12,7 @@ mod lit;
 use glam::Vec3;
 
 use crate::accel::{Hit, RayColumns, Rays as AllRays};
-use crate::kernels::shade::SHADOW_END;
-use crate::kernels::{Differential, MirrorRequest, ShadowRequest};
+use crate::kernels::Differential;
 use crate::math::{LANES, Line, Mask, Ray, Single, Vector};
 use crate::plan::schedule::ColumnGroup;
 use crate::prepared::{MediumStack, PathState, PreparedScene, ShadowCrossings};
@@ -21,7 +20,7 @@ use crate::wavefront::faces::SortedHits;
 use columns::Column;
 
 pub use branches::BranchStacks;
-pub use columns::Vectors;
+pub use columns::{Vectors, room};
 pub use lit::{LitPoints, Tints};
 
 columns! {
@@ -70,27 +69,30 @@ impl Rays {
         self.rows += count;
     }
 
-    /// Appends the lanes with a mirror ray, of these paths.
+    /// Appends the lanes of `asked`, of these paths. Returns their number.
     #[inline(always)]
-    pub fn push_lanes<F: Single>(&mut self, rays: &MirrorRequest<F>, path: &[u32; LANES]) {
-        let (i, asked) = (self.rows, rays.asked);
-        self.origin.pack(i, rays.line.origin, asked);
-        self.direction.pack(i, rays.line.direction, asked);
-        self.throughput.pack(i, rays.throughput, asked);
-        F::pack_integers(rays.throughput.x.token(), path, asked, &mut self.path[i..i + F::LANES]);
-        self.rows += asked.bits().count_ones() as usize;
+    pub fn push_lanes<F: Single>(
+        &mut self,
+        line: &Line<F>,
+        throughput: Vector<F>,
+        asked: F::Mask,
+        path: &[u32],
+    ) -> u64 {
+        let i = self.rows;
+        self.origin.pack(i, line.origin, asked);
+        self.direction.pack(i, line.direction, asked);
+        self.throughput.pack(i, throughput, asked);
+        F::pack_integers(throughput.x.token(), path, asked, &mut self.path[i..i + F::LANES]);
+        let count = asked.bits().count_ones();
+        self.rows += count as usize;
+        u64::from(count)
     }
-}
 
-/// Rays in the form of kernels.
-fn columns_of<'a>(
-    count: usize,
-    origin: &'a Vectors,
-    direction: &'a Vectors,
-    (t_min, t_max): (Option<&'a [f32]>, f32),
-) -> AllRays<'a> {
-    let (origin, direction) = (origin.columns(), direction.columns());
-    AllRays::Columns(RayColumns { count, origin, direction, t_min, t_max })
+    /// The rays in the form of kernels, with these ends of their ranges.
+    pub fn all<'a>(&'a self, t_min: Option<&'a [f32]>, t_max: f32) -> AllRays<'a> {
+        let (origin, direction) = (self.origin.columns(), self.direction.columns());
+        AllRays::Columns(RayColumns { count: self.rows, origin, direction, t_min, t_max })
+    }
 }
 
 columns! {
@@ -98,44 +100,6 @@ columns! {
     Hits {
         /// t, infinite for a miss, and the primitive's number; where nothing needs it, t may be more than that of the hit.
         hit: Vec<Hit>,
-    }
-}
-
-columns! {
-    /// Shadow rays, t from 0 to [`SHADOW_END`]. Written and read by shadow.
-    ShadowRays {
-        /// Origin.
-        origin: Vectors,
-        /// To the light; its length is the distance.
-        direction: Vectors,
-        /// The radiance to add to the path if the ray is not occluded.
-        contribution: Vectors,
-        /// The path, by its number in the batch.
-        path: Vec<u32>,
-        /// Whether the ray is occluded.
-        occluded: Vec<bool>,
-    }
-}
-
-impl<'a> From<&'a ShadowRays> for AllRays<'a> {
-    fn from(rays: &'a ShadowRays) -> Self {
-        columns_of(rays.rows, &rays.origin, &rays.direction, (None, SHADOW_END))
-    }
-}
-
-impl ShadowRays {
-    /// Appends the lanes with a request, of these paths. Returns their number.
-    #[inline(always)]
-    pub fn push_lanes<F: Single>(&mut self, requests: &ShadowRequest<F>, path: &[u32]) -> usize {
-        let (i, asked) = (self.rows, requests.asked);
-        self.origin.pack(i, requests.line.origin, asked);
-        self.direction.pack(i, requests.line.direction, asked);
-        self.contribution.pack(i, requests.contribution, asked);
-        let token = requests.contribution.x.token();
-        F::pack_integers(token, path, asked, &mut self.path[i..i + F::LANES]);
-        let count = asked.bits().count_ones() as usize;
-        self.rows += count;
-        count
     }
 }
 
@@ -149,25 +113,25 @@ columns! {
         /// The camera ray within the pixel.
         sample: Vec<u32>,
         /// The pixel, by its number in the tile.
-        place: Vec<u32>,
+        pixel_of_tile: Vec<u32>,
     }
 }
 
 impl Paths {
-    /// Appends paths without radiance, of these pixels, samples and places; the first `count` lanes
+    /// Appends paths without radiance, of these pixels, samples and pixels of the tile; the first `count` lanes
     /// are used.
     #[inline(always)]
     pub fn push_lanes<F: Single>(
         &mut self,
         token: F::Token,
-        [pixel, sample, place]: [&[u32; LANES]; 3],
+        [pixel, sample, pixel_of_tile]: [&[u32; LANES]; 3],
         count: usize,
     ) {
         let lanes = self.rows..self.rows + F::LANES;
         self.radiance.store::<F>(self.rows, Vector::splat(token, Vec3::ZERO));
         self.pixel[lanes.clone()].copy_from_slice(&pixel[..F::LANES]);
         self.sample[lanes.clone()].copy_from_slice(&sample[..F::LANES]);
-        self.place[lanes].copy_from_slice(&place[..F::LANES]);
+        self.pixel_of_tile[lanes].copy_from_slice(&pixel_of_tile[..F::LANES]);
         self.rows += count;
     }
 }
@@ -186,8 +150,11 @@ pub struct Batch {
     pub lit: LitPoints,
     /// The highlight colours of these.
     pub tints: Tints,
-    /// Queued shadow rays.
-    pub shadows: ShadowRays,
+    /// Queued shadow rays, t from 0 to [`SHADOW_END`](crate::kernels::shade::SHADOW_END), whose throughput is the
+    /// radiance to add to the path if nothing occludes them. Written and read by shadow, like the following.
+    pub shadows: Rays,
+    /// Whether each of them is occluded.
+    pub occluded: Vec<bool>,
     /// The rays of the next bounce.
     pub next: Rays,
     /// The differentials of the rays after the first bounce, if the scene needs them. Those of camera
@@ -232,7 +199,8 @@ impl Batch {
             hits: Hits::with_capacity(room(ColumnGroup::Hits)),
             lit: LitPoints::with_capacity(room(ColumnGroup::LitPoints)),
             tints: Tints::with_capacity(room(ColumnGroup::Tints)),
-            shadows: ShadowRays::with_capacity(room(ColumnGroup::ShadowRays)),
+            shadows: Rays::with_capacity(room(ColumnGroup::ShadowRays)),
+            occluded: Vec::new(),
             next: Rays::with_capacity(room(ColumnGroup::NextRays)),
             differentials: Vec::new(),
             next_differentials: Vec::new(),
@@ -270,9 +238,8 @@ impl Batch {
 
     /// The rays of this bounce in the form of kernels.
     pub fn all_rays(&self) -> AllRays<'_> {
-        let Rays { rows, origin, direction, .. } = &self.rays;
         let t_min = Some(self.starts.as_slice()).filter(|_| !self.states.is_empty());
-        columns_of(*rows, origin, direction, (t_min, f32::INFINITY))
+        self.rays.all(t_min, f32::INFINITY)
     }
 
     /// Appends the state of a next ray, and its least t.
@@ -348,6 +315,7 @@ impl Batch {
         let lists = differentials * size_of::<Differential>()
             + states * STATE_BYTES
             + self.media.capacity() * size_of::<MediumStack>()
+            + self.occluded.capacity()
             + self.crossings.bytes();
         (groups.iter().sum::<usize>() + next.bytes() + lists + self.waiting.bytes()) as u64
     }
@@ -372,7 +340,7 @@ fn row_bytes(group: ColumnGroup) -> usize {
         ColumnGroup::Hits => Hits::ROW_BYTES,
         ColumnGroup::LitPoints => LitPoints::ROW_BYTES,
         ColumnGroup::Tints => Tints::ROW_BYTES,
-        ColumnGroup::ShadowRays => ShadowRays::ROW_BYTES,
+        ColumnGroup::ShadowRays => Rays::ROW_BYTES + size_of::<bool>(),
         // For this bounce and the next.
         ColumnGroup::Differentials => 2 * size_of::<Differential>(),
         ColumnGroup::Branches => {

@@ -87,9 +87,9 @@ const SORTED: usize = 1024;
 pub(super) struct SortedHits {
     waiting: Vec<(u32, Face)>,
     sorted: Vec<Face>,
-    /// For each class and kind the place of its next hit; a number of hits while these are counted.
+    /// For each class and kind the slot of its next hit; a number of hits while these are counted.
     /// Empty before the first hit: there may be many classes, all of them plain.
-    places: Vec<u32>,
+    slots: Vec<u32>,
     classes: usize,
     /// Classes and kinds that occur, in the order of their first hits.
     found: Vec<u32>,
@@ -107,10 +107,10 @@ impl SortedHits {
     #[inline(always)]
     pub(super) fn push(&mut self, face: Face, class: u32, kind: ShadingKind) -> bool {
         let key = class * ShadingKind::ALL.len() as u32 + kind as u32;
-        if self.places.is_empty() {
-            self.places.resize(self.classes * ShadingKind::ALL.len(), 0);
+        if self.slots.is_empty() {
+            self.slots.resize(self.classes * ShadingKind::ALL.len(), 0);
         }
-        let hits = &mut self.places[key as usize];
+        let hits = &mut self.slots[key as usize];
         if *hits == 0 {
             self.found.push(key);
         }
@@ -126,21 +126,21 @@ impl SortedHits {
 
     /// Sorts the hits, those of a class in their order. Returns those of each class and kind.
     pub(super) fn sort(&mut self) -> impl Iterator<Item = (ShadingKind, &[Face])> {
-        let Self { waiting, sorted, places, found, spans, .. } = self;
+        let Self { waiting, sorted, slots, found, spans, .. } = self;
         let mut end = 0;
         spans.extend(found.iter().map(|&key| {
-            let place = &mut places[key as usize];
-            let faces = end..end + *place as usize;
-            (*place, end) = (end as u32, faces.end);
+            let slot = &mut slots[key as usize];
+            let faces = end..end + *slot as usize;
+            (*slot, end) = (end as u32, faces.end);
             (ShadingKind::ALL[key as usize % ShadingKind::ALL.len()], faces)
         }));
         sorted.resize(waiting.len(), Face::default());
         for (key, face) in waiting.drain(..) {
-            let place = &mut places[key as usize];
-            sorted[*place as usize] = face;
-            *place += 1;
+            let slot = &mut slots[key as usize];
+            sorted[*slot as usize] = face;
+            *slot += 1;
         }
-        found.drain(..).for_each(|key| places[key as usize] = 0);
+        found.drain(..).for_each(|key| slots[key as usize] = 0);
         spans.drain(..).map(|(kind, faces)| (kind, &sorted[faces]))
     }
 }

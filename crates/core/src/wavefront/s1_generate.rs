@@ -98,7 +98,8 @@ impl AnyWidth for Generate<'_> {
         for first in (0..self.count).step_by(F::LANES) {
             let count = F::LANES.min(self.count - first);
             let [columns, rows, samples] = self.next.take(count);
-            let place: [u32; LANES] = from_fn(|lane| rows[lane] * tile.width + columns[lane]);
+            let pixel_of_tile: [u32; LANES] =
+                from_fn(|lane| rows[lane] * tile.width + columns[lane]);
             let pixel: [u32; LANES] =
                 from_fn(|lane| (tile.y + rows[lane]) * width + tile.x + columns[lane]);
             let [mut x, mut y] = <[F::Row; 2]>::default();
@@ -108,7 +109,7 @@ impl AnyWidth for Generate<'_> {
             }
             let corner = [F::load(token, &x), F::load(token, &y)];
             let rays = camera.rays(corner, stream, [&pixel, &samples]);
-            self.batch.paths.push_lanes::<F>(token, [&pixel, &samples, &place], count);
+            self.batch.paths.push_lanes::<F>(token, [&pixel, &samples, &pixel_of_tile], count);
             self.batch.rays.push_camera(&rays, first as u32, count);
         }
     }

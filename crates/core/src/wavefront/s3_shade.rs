@@ -3,67 +3,50 @@
 //! Misses and lights are handled at once; other hits wait in [`faces`](super::faces) and are shaded together: hits
 //! on plain classes by the kind of primitive, others by class and kind. So nothing branches by hit.
 
-use std::marker::PhantomData;
-
 use glam::Vec3;
 
-use super::{Batch, Groups, SortedHits, Vectors, WaitingHits, Wavefront};
-use crate::accel::{Hit, NO_PRIMITIVE, Traversal};
-use crate::counters::Counters;
+use super::{Groups, SortedHits, Vectors, WaitingHits, Wavefront};
+use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::geometry::ShadingKind;
 use crate::kernels::shade::mirror_request;
-use crate::kernels::{Arithmetic, Differential, ShadingPoint, Transparency};
+use crate::kernels::{Arithmetic, Differential, MirrorRequest, ShadingPoint, Transparency};
 use crate::math::{AnyWidth, LANES, Line, Mask, Single, Vector, dispatch_any_width, set_bits};
 use crate::plan::schedule::Step;
-use crate::prepared::{Branch, Face, Group, MediumStack, PathState, PreparedScene, SampleCounts};
-use crate::tile::{PassClock, TimedPass};
+use crate::prepared::{Branch, Face, Group, PathState, PreparedScene, SampleCounts};
+use crate::tile::TimedPass;
 
 impl<P: Arithmetic> Wavefront<P> {
     /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
     /// are left, the next rays.
     pub(super) fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
-        let Self { needs_points, start, batch, traversal, counters, clock, .. } = self;
+        let Self { batch, schedule, .. } = self;
         batch.lit.clear();
         batch.tints.clear();
         batch.next.clear();
         batch.next_differentials.clear();
         batch.next_states.clear();
-        let schedule = scene.plan.schedule();
-        let shade = Shade::<P> {
+        let shade = Shade {
             scene,
             bounce,
-            start: *start,
             differentials: scene.carries_differentials(),
-            needs_points: *needs_points,
-            batch,
-            traversal,
-            counters,
-            clock,
             shadows: schedule.has_shadows(),
             tints: schedule.runs(Step::Tints),
             mirrors: schedule.has_mirrors()
                 && (bounce < scene.bounces || schedule.has_transmission()),
             transmits: schedule.has_transmission(),
             needs_t: scene.needs_t(),
-            precision: PhantomData,
+            own: self,
         };
         dispatch_any_width(scene.accel.level, shade);
     }
 }
 
 struct Shade<'a, P> {
+    own: &'a mut Wavefront<P>,
     scene: &'a PreparedScene,
     bounce: u32,
-    /// What camera rays are inside of.
-    start: MediumStack,
-    /// See [`PreparedScene::needs_points`].
-    needs_points: bool,
     /// Whether rays from surfaces have differentials.
     differentials: bool,
-    batch: &'a mut Batch,
-    traversal: &'a mut Traversal,
-    counters: &'a mut Counters,
-    clock: &'a mut PassClock,
     /// Whether to collect lit points, and mirror rays.
     shadows: bool,
     mirrors: bool,
@@ -73,7 +56,6 @@ struct Shade<'a, P> {
     tints: bool,
     /// Whether the t of every hit is needed.
     needs_t: bool,
-    precision: PhantomData<P>,
 }
 
 impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
@@ -85,11 +67,11 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
         let geometry = self.scene.accel.geometry();
         let mut groups = Groups::<F>::new();
         let mut waiting = ShadingKind::ALL.map(|_| WaitingHits::new());
-        let mut sorted = std::mem::take(&mut self.batch.sorted);
+        let mut sorted = std::mem::take(&mut self.own.batch.sorted);
         // The last shape hit: the next hit is likely on it too.
         let (mut last, mut is_plain) = (usize::MAX, true);
-        for i in 0..self.batch.rays.len() {
-            let primitive = self.batch.hits.hit[i].primitive;
+        for i in 0..self.own.batch.rays.len() {
+            let primitive = self.own.batch.hits.hit[i].primitive;
             if primitive == NO_PRIMITIVE {
                 self.miss(i);
                 continue;
@@ -123,7 +105,7 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
             self.block(token, &mut groups, waiting.take(), kind);
         }
         self.spans(token, &mut groups, &mut sorted);
-        self.batch.sorted = sorted;
+        self.own.batch.sorted = sorted;
     }
 }
 
@@ -131,7 +113,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
         let state = self.state(i);
-        if let Some(color) = self.scene.escaped(self.batch.rays.direction.get(i), &state) {
+        if let Some(color) = self.scene.escaped(self.own.batch.rays.direction.get(i), &state) {
             self.light(i, color);
         }
     }
@@ -140,12 +122,12 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn state(&self, i: usize) -> PathState {
         match self.transmits {
-            true if self.bounce > 0 => self.batch.states[i],
+            true if self.bounce > 0 => self.own.batch.states[i],
             _ => PathState {
                 bounces: self.bounce,
                 mirrored: self.bounce > 0,
                 turned: self.bounce > 0,
-                media: self.start,
+                media: self.own.start,
                 faint: false,
                 next: Hit::MISS,
             },
@@ -154,18 +136,18 @@ impl<P: Arithmetic> Shade<'_, P> {
 
     /// Takes the light of a hit that is absorbed on the way from there, and keeps what the ray is inside of.
     fn absorb(&mut self, i: usize) {
-        let (ray, media) = (self.batch.ray(i), self.state(i).media);
-        let remaining = self.scene.remaining(&ray, &media, self.batch.hits.hit[i].t);
-        let throughput = &mut self.batch.rays.throughput;
+        let (ray, media) = (self.own.batch.ray(i), self.state(i).media);
+        let remaining = self.scene.remaining(&ray, &media, self.own.batch.hits.hit[i].t);
+        let throughput = &mut self.own.batch.rays.throughput;
         throughput.set(i, throughput.get(i) * remaining);
-        self.batch.set_media(i, media);
+        self.own.batch.set_media(i, media);
     }
 
     #[inline(always)]
     fn light(&mut self, i: usize, color: Vec3) {
-        let path = self.batch.rays.path[i] as usize;
-        let weight = self.scene.shown(&self.state(i), self.batch.rays.throughput.get(i), color);
-        self.batch.paths.radiance.add(path, weight * color);
+        let path = self.own.batch.rays.path[i] as usize;
+        let weight = self.scene.shown(&self.state(i), self.own.batch.rays.throughput.get(i), color);
+        self.own.batch.paths.radiance.add(path, weight * color);
     }
 
     /// Shades hits, those of each class together: a pass of its own for the clock.
@@ -178,13 +160,13 @@ impl<P: Arithmetic> Shade<'_, P> {
         if sorted.is_empty() {
             return;
         }
-        self.clock.lap(TimedPass::Shade);
+        self.own.clock.lap(TimedPass::Shade);
         for (kind, faces) in sorted.sort() {
             for faces in faces.chunks(Groups::<F>::BLOCK) {
                 self.block(token, groups, faces, kind);
             }
         }
-        self.clock.lap(TimedPass::Maps);
+        self.own.clock.lap(TimedPass::Maps);
     }
 
     /// Shades up to a block of hits of one kind.
@@ -202,9 +184,9 @@ impl<P: Arithmetic> Shade<'_, P> {
             token,
             #[inline(always)]
             || {
-                let rays = &self.batch.rays;
+                let rays = &self.own.batch.rays;
                 let ray = |i| rays.ray(i);
-                for group in groups.fetch(faces, self.needs_points, self.scene, ray) {
+                for group in groups.fetch(faces, self.own.needs_points, self.scene, ray) {
                     self.group(token, group, kind);
                 }
             },
@@ -214,13 +196,13 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// Shades hits on surfaces of one kind.
     #[inline(always)]
     fn group<F: Single>(&mut self, token: F::Token, group: &Group<F>, kind: ShadingKind) {
-        let rays = &self.batch.rays;
+        let rays = &self.own.batch.rays;
         let numbers = group.faces.map(|face| face.ray);
         let throughput = fetch(token, &rays.throughput, &numbers);
         let path = numbers.map(|ray| rays.path[ray as usize]);
         let class = group.class(&self.scene.appearance);
-        group.count(class, &mut self.counters.samples);
-        if !self.needs_points {
+        group.count(class, &mut self.own.counters.samples);
+        if !self.own.needs_points {
             let light = group.colors(token).scale(F::splat(token, self.scene.ambient));
             self.add(group.used, &path, throughput * light);
             return;
@@ -237,7 +219,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             None => throughput,
             Some(through) => self.scatter(group, through, (&point, throughput), &mut look_ups),
         };
-        self.counters.samples += look_ups;
+        self.own.counters.samples += look_ups;
         let [mut own, mut direct] = [throughput; 2];
         if self.transmits && scene.visible.has_faint() {
             for lane in set_bits::<LANES>(group.used) {
@@ -252,23 +234,24 @@ impl<P: Arithmetic> Shade<'_, P> {
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
         self.add(group.used, &path, own * local);
         if self.shadows && point.lit.any() {
-            self.batch.lit.provide();
-            self.batch.lit.push_lanes(&point, direct, &path);
+            self.own.batch.lit.provide();
+            self.own.batch.lit.push_lanes(&point, direct, &path);
             if self.tints {
-                self.batch.tints.provide();
-                self.batch.tints.push_lanes(&point);
+                self.own.batch.tints.provide();
+                self.own.batch.tints.push_lanes(&point);
             }
         }
         if self.mirrors
             && scattering.is_none()
             && let Some(mut next) = mirror_request(&point, throughput)
         {
-            self.batch.next.provide();
+            self.own.batch.next.provide();
             if self.transmits {
                 next.asked =
                     next.asked & F::mask(token, self.mirror_states(&numbers, next.asked.bits()));
             }
-            self.batch.next.push_lanes(&next, &path);
+            let MirrorRequest { line, throughput, asked } = next;
+            self.own.batch.next.push_lanes(&line, throughput, asked, &path);
             if self.differentials {
                 let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
                 let mirrored = F::outlined(
@@ -276,10 +259,10 @@ impl<P: Arithmetic> Shade<'_, P> {
                     #[inline(always)]
                     || group.mirrored(scene, hits, &carried, &point),
                 );
-                let asked = next.asked.bits();
-                self.counters.samples.footprints += u64::from(asked.count_ones());
+                let asked = asked.bits();
+                self.own.counters.samples.footprints += u64::from(asked.count_ones());
                 set_bits::<LANES>(asked)
-                    .for_each(|lane| self.batch.push_differential(mirrored.lane(lane)));
+                    .for_each(|lane| self.own.batch.push_differential(mirrored.lane(lane)));
             }
         }
     }
@@ -296,18 +279,18 @@ impl<P: Arithmetic> Shade<'_, P> {
     ) -> Vector<F> {
         for lane in set_bits::<LANES>(group.used) {
             let i = group.faces[lane].ray as usize;
-            let (ray, hit) = (self.batch.ray(i), self.batch.hits.hit[i]);
+            let (ray, hit) = (self.own.batch.ray(i), self.own.batch.hits.hit[i]);
             let (throughput, state) = (throughputs.lane(lane), self.state(i));
             let differential = self.carried_differential(i);
             let incoming = Branch { ray, throughput, state, differential };
             let point = points.lane(lane);
-            let memory = (&mut *self.traversal, &mut *look_ups);
+            let memory = (&mut self.own.traversal, &mut *look_ups);
             let (own, branches) =
                 self.scene.scatter::<P>(&incoming, &hit, transparency, &point, memory);
             throughputs.set_lane(lane, own);
-            let path = self.batch.rays.path[i];
+            let path = self.own.batch.rays.path[i];
             let branches = branches.into_iter().rev().flatten();
-            branches.for_each(|branch| self.batch.waiting.push(path, branch));
+            branches.for_each(|branch| self.own.batch.waiting.push(path, branch));
         }
         throughputs
     }
@@ -318,7 +301,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         let mut t = F::splat(token, 0.0);
         if P::IS_FAST || kind == ShadingKind::Quadrics || self.needs_t {
             for (lane, &ray) in rays.iter().enumerate().take(F::LANES) {
-                t.set_lane(lane, self.batch.hits.hit[ray as usize].t);
+                t.set_lane(lane, self.own.batch.hits.hit[ray as usize].t);
             }
         }
         t
@@ -327,7 +310,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// Adds light to the paths of the used lanes.
     #[inline(always)]
     fn add<F: Single>(&mut self, used: u32, path: &[u32; LANES], light: Vector<F>) {
-        let radiance = &mut self.batch.paths.radiance;
+        let radiance = &mut self.own.batch.paths.radiance;
         if used == u32::MAX >> (32 - F::LANES) && is_row::<F>(path) {
             let first = path[0] as usize;
             radiance.store(first, radiance.load(light.x.token(), first) + light);
@@ -346,7 +329,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             if state.bounces >= self.scene.bounces {
                 return kept;
             }
-            self.batch.push_state(state.mirrored(), 0.0);
+            self.own.batch.push_state(state.mirrored(), 0.0);
             kept | 1 << lane
         })
     }
@@ -354,7 +337,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// The differential of the ray with that number, unless it is a camera ray.
     #[inline(always)]
     fn carried_differential(&self, ray: usize) -> Option<Differential> {
-        (self.bounce > 0 && self.differentials).then(|| self.batch.differentials[ray])
+        (self.bounce > 0 && self.differentials).then(|| self.own.batch.differentials[ray])
     }
 }
 

@@ -8,11 +8,11 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
+use super::batch::room;
 use super::{Batch, SortedHits, Wavefront};
-use crate::accel::Rays;
 use crate::counters::Counters;
-use crate::kernels::shade::shadow_request;
-use crate::kernels::{Arithmetic, Hemisphere, Light};
+use crate::kernels::shade::{SHADOW_END, shadow_request};
+use crate::kernels::{Arithmetic, Light, ShadowRequest};
 use crate::math::{AnyWidth, Mask, Single, Stream, dispatch_any_width};
 use crate::plan::schedule::Step;
 use crate::prepared::{Group, PreparedScene, SampleCounts, ShadowCrossings};
@@ -25,21 +25,13 @@ impl<P: Arithmetic> Wavefront<P> {
         bounce: u32,
         cancelled: &dyn Fn() -> bool,
     ) -> bool {
-        let tinted = scene.plan.schedule().runs(Step::Tints);
         for light in &scene.lights {
             let mut next = NextRequest::default();
             while next.block < self.batch.lit.len() {
-                let request = ShadowRequests {
-                    light,
-                    ambient: scene.hemisphere.as_ref(),
-                    seed: self.seed,
-                    bounce,
-                    tinted,
-                    batch: &mut self.batch,
-                    counters: &mut self.counters,
-                    next,
-                };
-                next = dispatch_any_width(scene.accel.level, request);
+                let Self { seed, batch, counters, .. } = self;
+                let requests =
+                    ShadowRequests { scene, light, seed: *seed, bounce, batch, counters, next };
+                next = dispatch_any_width(scene.accel.level, requests);
                 self.trace(scene);
                 if cancelled() {
                     return false;
@@ -51,19 +43,23 @@ impl<P: Arithmetic> Wavefront<P> {
 
     /// Traces the queue and adds the unoccluded contributions.
     fn trace(&mut self, scene: &PreparedScene) {
-        let mut occluded = std::mem::take(&mut self.batch.shadows.occluded);
+        if self.batch.shadows.is_empty() {
+            return;
+        }
+        let mut occluded = std::mem::take(&mut self.batch.occluded);
+        occluded.resize(room(self.batch.capacity()), false);
         let answers = &mut occluded[..self.batch.shadows.len()];
-        let rays = Rays::from(&self.batch.shadows);
+        let rays = self.batch.shadows.all(None, SHADOW_END);
         scene.accel.search::<P>().occluded_of(rays, answers, &mut self.traversal);
-        if scene.plan.schedule().has_transmission() {
+        if self.schedule.has_transmission() {
             self.weaken(scene, answers);
         }
         let Batch { shadows, paths, .. } = &mut self.batch;
         for (i, _) in answers.iter().enumerate().filter(|(_, occluded)| !**occluded) {
-            paths.radiance.add(shadows.path[i] as usize, shadows.contribution.get(i));
+            paths.radiance.add(shadows.path[i] as usize, shadows.throughput.get(i));
         }
-        shadows.occluded = occluded;
         shadows.clear();
+        self.batch.occluded = occluded;
     }
 
     /// Takes the light from unoccluded shadow rays that transparent surfaces keep.
@@ -73,7 +69,7 @@ impl<P: Arithmetic> Wavefront<P> {
         let Batch { shadows, crossings, sorted, media, .. } = batch;
         let mut next = 0;
         while next < occluded.len() {
-            let rays = Rays::from(&*shadows);
+            let rays = shadows.all(None, SHADOW_END);
             let path = &shadows.path;
             let inside = |ray: usize| media[path[ray] as usize];
             next =
@@ -83,7 +79,7 @@ impl<P: Arithmetic> Wavefront<P> {
             let evaluated = EvaluatedCrossings { scene, crossings, sorted, look_ups, precision };
             dispatch_any_width(scene.accel.level, evaluated);
             crossings.transmittances(scene, traversal, |ray, transmittance| {
-                shadows.contribution.set(ray, shadows.contribution.get(ray) * transmittance);
+                shadows.throughput.set(ray, shadows.throughput.get(ray) * transmittance);
             });
         }
     }
@@ -98,7 +94,7 @@ const MOST_POINTS: usize = 1 << 20;
 /// rays of ambient light took half as long again; with 64 to 256, the same.
 const BLOCK: usize = 128;
 
-/// The place to continue the requests for a light: the first lit point of a block, the light's sample
+/// Where to continue the requests for a light: the first lit point of a block, the light's sample
 /// point, and the first of a group of lit points in the block.
 #[derive(Clone, Copy, Default)]
 struct NextRequest {
@@ -109,12 +105,10 @@ struct NextRequest {
 
 /// Queues shadow rays to a light.
 struct ShadowRequests<'a> {
+    scene: &'a PreparedScene,
     light: &'a Light,
-    ambient: Option<&'a Hemisphere>,
     seed: u64,
     bounce: u32,
-    /// Whether highlights are coloured.
-    tinted: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
     next: NextRequest,
@@ -129,7 +123,7 @@ impl AnyWidth for ShadowRequests<'_> {
         let mut seen = 0;
         while self.next.block < self.batch.lit.len() {
             let block = self.next.block..self.batch.lit.len().min(self.next.block + BLOCK);
-            let places = self.places(block.clone());
+            let streams = self.pixels_and_samples(block.clone());
             while self.next.index < self.light.samples() {
                 while self.next.point < block.end {
                     if self.batch.shadows.len() >= capacity || seen >= MOST_POINTS {
@@ -137,8 +131,8 @@ impl AnyWidth for ShadowRequests<'_> {
                     }
                     seen += F::LANES;
                     let lanes = self.next.point - block.start..;
-                    let places = [&places[0][lanes.clone()], &places[1][lanes]];
-                    self.queue::<F>(token, F::LANES.min(block.end - self.next.point), places);
+                    let streams = [&streams[0][lanes.clone()], &streams[1][lanes]];
+                    self.queue::<F>(token, F::LANES.min(block.end - self.next.point), streams);
                     self.next.point += F::LANES;
                 }
                 self.next.index += 1;
@@ -151,40 +145,42 @@ impl AnyWidth for ShadowRequests<'_> {
 }
 
 impl ShadowRequests<'_> {
-    /// The pixels and the samples of these lit points, if the light needs them.
+    /// The pixels and the samples of these lit points, if the light draws numbers by them.
     #[inline(always)]
-    fn places(&self, points: Range<usize>) -> [[u32; BLOCK]; 2] {
-        let mut places = [[0; BLOCK]; 2];
+    fn pixels_and_samples(&self, points: Range<usize>) -> [[u32; BLOCK]; 2] {
+        let mut streams = [[0; BLOCK]; 2];
         if self.light.is_sampled() {
             let Batch { lit, paths, .. } = &*self.batch;
             for (i, &path) in lit.path[points].iter().enumerate() {
-                (places[0][i], places[1][i]) =
+                (streams[0][i], streams[1][i]) =
                     (paths.pixel[path as usize], paths.sample[path as usize]);
             }
         }
-        places
+        streams
     }
 
-    /// Queues the rays of the next `count` lit points, at these places.
+    /// Queues the rays of the next `count` lit points, of these pixels and samples.
     #[inline(always)]
-    fn queue<F: Single>(&mut self, token: F::Token, count: usize, places: [&[u32]; 2]) {
+    fn queue<F: Single>(&mut self, token: F::Token, count: usize, streams: [&[u32]; 2]) {
         let NextRequest { index, point, .. } = self.next;
-        let Self { light, ambient, counters, batch, .. } = self;
+        let Self { scene, light, counters, batch, .. } = self;
         let Batch { lit, tints, shadows, .. } = &mut **batch;
         let used = (1_u64 << count) - 1;
         let (mut points, throughput) = lit.load::<F>(token, point, used as u32);
-        if self.tinted {
+        if scene.plan.schedule().runs(Step::Tints) {
             points.reflection.tint = tints.tint.load(token, point);
         }
         let stream = Stream { seed: self.seed, pixel: 0, sample: 0, bounce: self.bounce };
-        let targets = light.points::<F>(token, index, stream, places);
+        let targets = light.points::<F>(token, index, stream, streams);
         counters.samples.light += if light.is_sampled() { count as u64 } else { 0 };
-        let request = shadow_request(&points, throughput, light, &targets, *ambient);
+        let ambient = scene.hemisphere.as_ref();
+        let request = shadow_request(&points, throughput, light, &targets, ambient);
         let Some(request) = request else { return };
         shadows.provide();
+        let ShadowRequest { line, contribution, asked, at_light } = request;
         let path = &lit.path[point..point + F::LANES];
-        counters.rays.shadow += shadows.push_lanes(&request, path) as u64;
-        let at_light = (request.at_light & request.asked).bits();
+        counters.rays.shadow += shadows.push_lanes(&line, contribution, asked, path);
+        let at_light = (at_light & asked).bits();
         counters.lights_at_surface += u64::from(at_light.count_ones());
     }
 }

@@ -10,11 +10,11 @@ impl<P: Arithmetic> Wavefront<P> {
     pub(super) fn resolve(&mut self, sums: &mut [[f64; 3]]) {
         let Self { batch, counters, .. } = self;
         for path in 0..batch.paths.len() {
-            let place = batch.paths.place[path] as usize;
+            let pixel = batch.paths.pixel_of_tile[path] as usize;
             let radiance = batch.paths.radiance.get(path).to_array();
             let sample =
                 Sample { pixel: batch.paths.pixel[path], sample: batch.paths.sample[path] };
-            add_sample(&mut sums[place], radiance, sample, counters);
+            add_sample(&mut sums[pixel], radiance, sample, counters);
         }
     }
 }

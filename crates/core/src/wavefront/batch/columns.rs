@@ -67,7 +67,7 @@ macro_rules! columns {
 }
 
 /// Allocated rows for a `capacity`. If no row is ever written, neither is a vector.
-pub(super) const fn room(capacity: usize) -> usize {
+pub const fn room(capacity: usize) -> usize {
     if capacity == 0 { 0 } else { capacity + LANES }
 }
 
