@@ -135,11 +135,8 @@ impl<'a> ImageSaver<'a> {
     /// it.
     fn paint(&self, tile: &Tile, pixels: &[[f32; 3]]) -> Option<(Film, f64)> {
         let mut kept = lock(&self.kept);
-        let (left, top) = ((tile.x - self.window.x) as usize, (tile.y - self.window.y) as usize);
-        let width = tile.width as usize;
-        for (row, means) in kept.film.rows_mut().skip(top).zip(pixels.chunks_exact(width)) {
-            row[left..left + width].copy_from_slice(means);
-        }
+        let corner = [tile.x - self.window.x, tile.y - self.window.y];
+        kept.film.paste(corner, tile.width, pixels);
         kept.pixels += tile.len();
         // The complete image is written at the end anyway.
         let is_due = kept.saved.elapsed() >= self.every && kept.pixels < self.window.len();

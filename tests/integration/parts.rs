@@ -52,11 +52,7 @@ impl Watch for Collector {
 
     fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
         assert_eq!(pixels.len(), tile.len());
-        let mut film = self.film.lock().expect("no panic");
-        for (index, pixel) in pixels.iter().enumerate() {
-            let (x, y) = tile.pixel(index as u32);
-            *film.pixel_mut(x, y).expect("within the image") = *pixel;
-        }
+        self.film.lock().expect("no panic").paste([tile.x, tile.y], tile.width, pixels);
         self.tiles.lock().expect("no panic").push(*tile);
     }
 

@@ -68,12 +68,8 @@ impl Film {
 
     /// The pixel in column `x` from the left and row `y` from the top; `None` outside the film.
     pub fn pixel(&self, x: u32, y: u32) -> Option<[f32; 3]> {
-        self.index(x, y).map(|i| self.pixels[i])
-    }
-
-    /// The same pixel, mutable; `None` outside the film.
-    pub fn pixel_mut(&mut self, x: u32, y: u32) -> Option<&mut [f32; 3]> {
-        self.index(x, y).map(|i| &mut self.pixels[i])
+        let index = y as usize * self.width as usize + x as usize;
+        (x < self.width && y < self.height).then(|| self.pixels[index])
     }
 
     /// The rows, the top one first.
@@ -81,9 +77,17 @@ impl Film {
         self.pixels.chunks_exact(self.width as usize)
     }
 
-    /// The rows, the top one first, mutable.
-    pub fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, [f32; 3]> {
-        self.pixels.chunks_exact_mut(self.width as usize)
+    /// Replaces the part whose top left pixel is in column `x` and row `y` by these `pixels`, in rows of
+    /// this `width`.
+    ///
+    /// # Panics
+    /// If a row leaves the image.
+    pub fn paste(&mut self, [x, y]: [u32; 2], width: u32, pixels: &[[f32; 3]]) {
+        let columns = x as usize..(x + width) as usize;
+        let rows = self.pixels.chunks_exact_mut(self.width as usize).skip(y as usize);
+        for (row, own) in rows.zip(pixels.chunks_exact(width as usize)) {
+            row[columns.clone()].copy_from_slice(own);
+        }
     }
 
     /// The part `[x, y, width, height]`, in pixels from the top left, cropped to the image.
@@ -105,10 +109,6 @@ impl Film {
         (self.width, self.height) == (other.width, other.height)
             && bytemuck::cast_slice::<_, u32>(&self.pixels)
                 == bytemuck::cast_slice::<_, u32>(&other.pixels)
-    }
-
-    fn index(&self, x: u32, y: u32) -> Option<usize> {
-        (x < self.width && y < self.height).then(|| y as usize * self.width as usize + x as usize)
     }
 }
 

@@ -14,7 +14,6 @@ use crate::kernels::{
     Arithmetic, Hemisphere, Light, LightPoint, ShadingPoint, ShadowRequest, shade,
 };
 use crate::math::{Line, Ray, Stream};
-use crate::plan::schedule::Schedule;
 use crate::prepared::{
     Branch, Class, Interaction, MOST_RAYS, MediumStack, PathState, PreparedScene, ShadowCrossings,
 };
@@ -24,7 +23,6 @@ use crate::tile::{Tracer, Unit, add_sample};
 #[derive(Debug)]
 pub struct Recursive<P> {
     seed: u64,
-    schedule: Schedule,
     traversal: Traversal,
     /// What camera rays are inside of, as at the camera's position.
     start: MediumStack,
@@ -45,12 +43,10 @@ pub struct Recursive<P> {
 impl<P: Arithmetic> Recursive<P> {
     /// The tracer for `scene`, with the seed of random numbers.
     pub fn new(scene: &PreparedScene, seed: u64) -> Self {
-        let schedule = scene.plan.schedule();
         let mut traversal = scene.accel.traversal();
-        traversal.notes_passed = schedule.has_transmission();
+        traversal.notes_passed = scene.plan.schedule().has_transmission();
         Self {
             seed,
-            schedule,
             start: scene.media_at_camera::<P>(&mut traversal),
             traversal,
             differentials: scene.carries_differentials(),
@@ -170,8 +166,9 @@ impl<P: Arithmetic> Recursive<P> {
         let ray = scene.camera.ray(x, y, &stream);
         self.counters.rays.primary += 1;
         self.counters.samples.lens += u64::from(scene.camera.has_lens());
-        let (shadows, transmits) = (self.schedule.has_shadows(), self.schedule.has_transmission());
-        let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
+        let schedule = scene.plan.schedule();
+        let (shadows, transmits) = (schedule.has_shadows(), schedule.has_transmission());
+        let bounces = if schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut radiance = Vec3::ZERO;
         let state = PathState { media: self.start, ..PathState::default() };
         let mut at = Branch { ray, throughput: Vec3::ONE, state, differential: None };
@@ -275,29 +272,30 @@ impl<P: Arithmetic> Recursive<P> {
                 if self.ends(cancelled) {
                     return;
                 }
-                let place = [number, index as usize];
+                let point_of_light = [number, index as usize];
                 let target = light.point(index, stream);
                 self.counters.samples.light += u64::from(light.is_sampled());
                 let ambient = scene.hemisphere.as_ref();
                 let request = shadow_request(point, throughput, light, &target, ambient);
                 let Some(request) = request else {
-                    observer.light(place, &target, None);
+                    observer.light(point_of_light, &target, None);
                     continue;
                 };
                 self.counters.rays.shadow += 1;
                 self.counters.lights_at_surface += u64::from(request.at_light);
                 let occluded =
                     scene.accel.search::<P>().occluded(&request.ray(), &mut self.traversal);
-                let transmittance = (!occluded).then(|| match self.schedule.has_transmission() {
-                    true => {
-                        let Self { crossings, traversal, counters, .. } = &mut *self;
-                        let look_ups = &mut counters.samples;
-                        let ray = (&request.ray(), media);
-                        scene.transmittance::<P>(ray, crossings, traversal, look_ups)
-                    }
-                    false => Vec3::ONE,
-                });
-                observer.light(place, &target, Some((&request, transmittance)));
+                let transmittance =
+                    (!occluded).then(|| match scene.plan.schedule().has_transmission() {
+                        true => {
+                            let Self { crossings, traversal, counters, .. } = &mut *self;
+                            let look_ups = &mut counters.samples;
+                            let ray = (&request.ray(), media);
+                            scene.transmittance::<P>(ray, crossings, traversal, look_ups)
+                        }
+                        false => Vec3::ONE,
+                    });
+                observer.light(point_of_light, &target, Some((&request, transmittance)));
                 if let Some(transmittance) = transmittance {
                     *radiance += Vec3::from(request.contribution) * transmittance;
                 }

@@ -23,7 +23,6 @@ use std::marker::PhantomData;
 use crate::accel::Traversal;
 use crate::counters::Counters;
 use crate::kernels::Arithmetic;
-use crate::plan::schedule::Schedule;
 use crate::prepared::{MOST_RAYS, MediumStack, PreparedScene};
 use crate::tile::{PassClock, TimedPass, Tracer, Unit};
 use batch::{Batch, Vectors};
@@ -36,7 +35,6 @@ pub const DEFAULT_BATCH: usize = 1024;
 #[derive(Debug)]
 pub struct Wavefront<P> {
     seed: u64,
-    schedule: Schedule,
     needs_points: bool,
     start: MediumStack,
     batch: Batch,
@@ -49,12 +47,10 @@ pub struct Wavefront<P> {
 impl<P: Arithmetic> Wavefront<P> {
     /// The tracer for `scene`, with the seed of random numbers and the largest number of paths in a batch.
     pub fn new(scene: &PreparedScene, seed: u64, batch: usize) -> Self {
-        let schedule = scene.plan.schedule();
         let mut traversal = scene.accel.traversal();
-        traversal.notes_passed = schedule.has_transmission();
+        traversal.notes_passed = scene.plan.schedule().has_transmission();
         Self {
             seed,
-            schedule,
             needs_points: scene.needs_points(),
             start: scene.media_at_camera::<P>(&mut traversal),
             batch: Batch::new(scene, batch),
@@ -75,7 +71,7 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
         cancelled: &dyn Fn() -> bool,
     ) -> bool {
         self.traversal.without_t = !scene.needs_t();
-        let paths = unit.paths();
+        let (paths, schedule) = (unit.paths(), scene.plan.schedule());
         let mut start = 0;
         while start < paths {
             let end = paths.min(start + self.batch.capacity() as u64);
@@ -83,13 +79,13 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
             for bounce in 0.. {
                 self.timed(TimedPass::Intersect, |own| own.intersect(scene));
                 self.timed(TimedPass::Shade, |own| own.shade(scene, bounce));
-                let is_lit = !self.schedule.has_shadows()
+                let is_lit = !schedule.has_shadows()
                     || self.timed(TimedPass::Shadow, |own| own.shadow(scene, bounce, cancelled));
                 if !is_lit || cancelled() {
                     self.batch.waiting.clear();
                     return false;
                 }
-                if !(self.schedule.goes_on() && self.batch.advance()) {
+                if !(schedule.goes_on() && self.batch.advance()) {
                     break;
                 }
                 if bounce + 1 == MOST_RAYS {

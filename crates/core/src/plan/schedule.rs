@@ -131,58 +131,49 @@ pub const PASSES: [Pass; 19] = {
         Branches, Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints,
     };
     [
-        pass(Step::Generate, &[], &[], &[Paths, Rays]),
-        part(Step::Jitter, Step::Generate, &[&[Effect::Antialiasing]], &[], &[Rays]),
-        part(Step::Lens, Step::Generate, &[&[Effect::DepthOfField]], &[], &[Rays]),
-        pass(Step::Intersect, &[], &[Rays], &[Hits]),
-        pass(Step::Shade, &[], &[Paths, Rays, Hits], &[Paths]),
-        part(Step::Normals, Step::Shade, &[&[Effect::SmoothShading]], &[Hits], &[]),
-        part(Step::Colors, Step::Shade, &[&[Effect::VertexColors]], &[Hits], &[]),
-        part(Step::Texels, Step::Shade, &[&[Effect::Textures]], &[Hits], &[]),
-        part(Step::NormalMaps, Step::Shade, &[&[Effect::NormalMaps]], &[Hits], &[]),
-        part(Step::Maps, Step::Shade, &[&[Effect::MaterialTextures]], &[Hits], &[]),
+        row(Step::Generate, None, &[], &[], &[Paths, Rays]),
+        row(Step::Jitter, Some(Step::Generate), &[&[Effect::Antialiasing]], &[], &[Rays]),
+        row(Step::Lens, Some(Step::Generate), &[&[Effect::DepthOfField]], &[], &[Rays]),
+        row(Step::Intersect, None, &[], &[Rays], &[Hits]),
+        row(Step::Shade, None, &[], &[Paths, Rays, Hits], &[Paths]),
+        row(Step::Normals, Some(Step::Shade), &[&[Effect::SmoothShading]], &[Hits], &[]),
+        row(Step::Colors, Some(Step::Shade), &[&[Effect::VertexColors]], &[Hits], &[]),
+        row(Step::Texels, Some(Step::Shade), &[&[Effect::Textures]], &[Hits], &[]),
+        row(Step::NormalMaps, Some(Step::Shade), &[&[Effect::NormalMaps]], &[Hits], &[]),
+        row(Step::Maps, Some(Step::Shade), &[&[Effect::MaterialTextures]], &[Hits], &[]),
         // For mirrors alone, no row is written.
-        part(Step::Tints, Step::Shade, &[&[Effect::TintedHighlights]], &[Tints], &[Tints]),
-        part(Step::Emission, Step::Shade, &[&[Effect::Emission]], &[Hits], &[Paths]),
-        part(Step::Collect, Step::Shade, &[LIGHTS], &[Rays, Hits], &[LitPoints]),
-        part(Step::Mirror, Step::Shade, &[&[Effect::Mirrors]], &[Rays, Hits], &[NextRays]),
-        part(
+        row(Step::Tints, Some(Step::Shade), &[&[Effect::TintedHighlights]], &[Tints], &[Tints]),
+        row(Step::Emission, Some(Step::Shade), &[&[Effect::Emission]], &[Hits], &[Paths]),
+        row(Step::Collect, Some(Step::Shade), &[LIGHTS], &[Rays, Hits], &[LitPoints]),
+        row(Step::Mirror, Some(Step::Shade), &[&[Effect::Mirrors]], &[Rays, Hits], &[NextRays]),
+        row(
             Step::Transmit,
-            Step::Shade,
+            Some(Step::Shade),
             &[&[Effect::Transparency]],
             &[Rays, Hits, Branches],
             &[NextRays, Branches],
         ),
-        part(
+        row(
             Step::Differentials,
-            Step::Shade,
+            Some(Step::Shade),
             &[&[Effect::RayDifferentials], NEXT],
             &[Rays, Hits, Differentials],
             &[Differentials],
         ),
-        pass(Step::Shadow, &[LIGHTS], &[LitPoints, ShadowRays], &[ShadowRays, Paths]),
-        pass(Step::Advance, &[NEXT], &[NextRays], &[Rays]),
-        pass(Step::Resolve, &[], &[Paths], &[]),
+        row(Step::Shadow, None, &[LIGHTS], &[LitPoints, ShadowRays], &[ShadowRays, Paths]),
+        row(Step::Advance, None, &[NEXT], &[NextRays], &[Rays]),
+        row(Step::Resolve, None, &[], &[Paths], &[]),
     ]
 };
 
-const fn pass(
+const fn row(
     step: Step,
+    part_of: Option<Step>,
     needs: Needs,
     reads: &'static [ColumnGroup],
     writes: &'static [ColumnGroup],
 ) -> Pass {
-    Pass { step, part_of: None, needs, reads, writes }
-}
-
-const fn part(
-    step: Step,
-    of: Step,
-    needs: Needs,
-    reads: &'static [ColumnGroup],
-    writes: &'static [ColumnGroup],
-) -> Pass {
-    Pass { step, part_of: Some(of), needs, reads, writes }
+    Pass { step, part_of, needs, reads, writes }
 }
 
 /// `passes` without needs: every scene does all work. The image is the same, since effects that a

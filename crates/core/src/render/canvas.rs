@@ -48,12 +48,7 @@ impl<'a> Canvas<'a> {
         self.watch.tile(&tile, &means);
         let mut painted = self.painted.lock().unwrap_or_else(PoisonError::into_inner);
         let window = self.grid.window();
-        let (left, top) = ((tile.x - window.x) as usize, (tile.y - window.y) as usize);
-        let width = tile.width as usize;
-        let rows = painted.film.rows_mut().skip(top);
-        for (row, means) in rows.zip(means.chunks_exact(width)) {
-            row[left..left + width].copy_from_slice(means);
-        }
+        painted.film.paste([tile.x - window.x, tile.y - window.y], tile.width, &means);
         painted.tiles.push(tile);
         painted.pixels += tile.len() as u64;
         let done = painted.pixels;

@@ -19,7 +19,7 @@ impl<P: Arithmetic> Wavefront<P> {
     /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
     /// are left, the next rays.
     pub(super) fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
-        let Self { batch, schedule, .. } = self;
+        let (batch, schedule) = (&mut self.batch, scene.plan.schedule());
         batch.lit.clear();
         batch.tints.clear();
         batch.next.clear();

@@ -51,7 +51,7 @@ impl<P: Arithmetic> Wavefront<P> {
         let answers = &mut occluded[..self.batch.shadows.len()];
         let rays = self.batch.shadows.all(None, SHADOW_END);
         scene.accel.search::<P>().occluded_of(rays, answers, &mut self.traversal);
-        if self.schedule.has_transmission() {
+        if scene.plan.schedule().has_transmission() {
             self.weaken(scene, answers);
         }
         let Batch { shadows, paths, .. } = &mut self.batch;

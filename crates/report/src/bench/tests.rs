@@ -115,7 +115,8 @@ fn steady() -> SceneBench {
 fn different() -> SceneBench {
     let spoil = |variant: usize, run: &mut Run| {
         if variant == 1 {
-            run.rendered.film.pixel_mut(5, 2).unwrap()[1] = 0.5;
+            let [red, _, blue] = run.rendered.film.pixel(5, 2).unwrap();
+            run.rendered.film.paste([5, 2], 1, &[[red, 0.5, blue]]);
         }
     };
     report("b.json", compared(Varied::Ladder, 6, |_, _| 0.1, spoil))
@@ -183,7 +184,7 @@ fn work_that_differs_ends_a_comparison_unless_all_passes_run() {
     assert_eq!(found, difference);
     assert_eq!(compared(Varied::Plan, 2, |_, _| 0.1, spoil).difference, None);
     let spoil = |variant: usize, run: &mut Run| {
-        run.rendered.film.pixel_mut(4, 5).unwrap()[0] = variant as f32;
+        run.rendered.film.paste([4, 5], 1, &[[variant as f32; 3]]);
     };
     assert!(compared(Varied::Plan, 2, |_, _| 0.1, spoil).difference.is_some());
 }
