@@ -78,7 +78,7 @@ fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
         ("image", format!("{width} x {height}, {rays} per pixel")),
         ("shapes", shapes.count().to_string()),
         ("triangles", triangles.to_string()),
-        ("zero-area", scene.dropped.degenerate.to_string()),
+        ("zero-area", scene.degenerate.to_string()),
         ("vertices", geometry.positions.len().to_string()),
         ("quads", quads.to_string()),
         ("spheres", spheres.to_string()),

@@ -15,7 +15,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
-use wavecrest_report::statistics::{Time, pass_map};
+use wavecrest_report::statistics::Time;
 
 /// A scene that is ready to be traced, and what the finished images of the command took.
 pub(super) struct Renderer<'a> {
@@ -143,7 +143,7 @@ impl<'a> Renderer<'a> {
         }
         let invalid = find_invalid(self.args, &self.scene, counters)?;
         self.add(counters, self.time.trace);
-        self.time.passes = pass_map(pass_seconds);
+        self.time.passes.clone_from(pass_seconds);
         Ok(Outcome { invalid, ..outcome })
     }
 

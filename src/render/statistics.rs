@@ -40,7 +40,7 @@ pub(super) fn write(file: &Path, renderer: &Renderer<'_>, outcome: &Outcome) -> 
         "textures": Textures::of(&scene.appearance),
         "tests": counters.tests,
         "kernels": counters.kernels,
-        "dropped": scene.dropped,
+        "dropped": { "degenerate": scene.degenerate },
         "invalid": counters.invalid,
         "first_invalid": invalid,
         "lights_at_surface": counters.lights_at_surface,

@@ -36,7 +36,7 @@ fn render(scene: &Value, folder: &Path) -> Result<(Film, u64, Vec<String>)> {
     let texts = warnings.iter().chain(&seen).map(|warning| within(folder, &warning.to_string()));
     let texts = texts.chain(note);
     let texts = texts.filter(|text| !text.contains("the image looks empty")).collect();
-    Ok((image_of(&prepared, 0), prepared.dropped.degenerate, texts))
+    Ok((image_of(&prepared, 0), prepared.degenerate, texts))
 }
 
 /// A text without the name of the folder.

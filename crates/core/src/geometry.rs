@@ -17,7 +17,7 @@ use crate::counters::{PrimitiveCounts, TestCounts};
 use crate::kernels::{Aabb, Arithmetic, Precision, ShearedSpace, SlabRay, quad, triangle};
 use crate::math::Ray;
 use crate::math::float::min;
-use cutouts::Cutouts;
+use cutouts::Cutout;
 use instance::{Instance, Instanced};
 
 pub use quadric::Quadric;
@@ -39,8 +39,8 @@ pub struct Geometry {
     pub passed: Vec<Range<u32>>,
     /// Those of them that are transparent.
     pub transparent: Vec<Range<u32>>,
-    /// Primitives with holes.
-    pub cutouts: Cutouts,
+    /// Primitives with holes, in rising order of their numbers.
+    pub cutouts: Vec<Cutout>,
     /// Precision of the tests.
     pub precision: Precision,
     /// Meshes shown by instances, each in its own space, with triangles only.

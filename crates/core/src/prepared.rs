@@ -76,14 +76,7 @@ pub struct PreparedScene {
     pub visible: Visible,
     /// How often a ray may be mirrored or refracted; 0 if the plan has neither.
     pub bounces: u32,
-    /// Counts of dropped parts of the file.
-    pub dropped: Dropped,
-}
-
-/// Counts of parts that were dropped while preparing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
-pub struct Dropped {
-    /// Triangles without area.
+    /// The number of triangles of the file that were dropped, as they have no area.
     pub degenerate: u64,
 }
 

@@ -216,7 +216,7 @@ impl<P: Arithmetic> Recursive<P> {
                         if let Some((next, throughput)) = mirror_ray(point, throughput) {
                             let differential = self.differentials.then(|| {
                                 let found = &mut self.counters.samples;
-                                scene.mirrored(at.differential, &ray, &hit, point, found)
+                                scene.turned(at.differential, (&ray, &hit), point, None, found)
                             });
                             let state = state.mirrored();
                             self.waiting.push(Branch {

@@ -35,8 +35,7 @@
 
 #![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 
-use serde::Serialize;
-use serde_json::{Map, Value};
+use serde::{Serialize, Serializer};
 
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
@@ -88,7 +87,8 @@ pub struct Time {
     pub trace: f64,
     pub write: f64,
     pub total: f64,
-    pub passes: Map<String, Value>,
+    #[serde(serialize_with = "as_map")]
+    pub passes: Vec<(&'static str, f64)>,
 }
 
 /// Peak bytes.
@@ -123,6 +123,6 @@ impl Bvh {
 }
 
 /// Seconds by pass as a JSON object.
-pub fn pass_map(passes: &[(&'static str, f64)]) -> Map<String, Value> {
-    passes.iter().map(|&(name, seconds)| (name.to_owned(), seconds.into())).collect()
+pub(crate) fn as_map<S: Serializer>(passes: &[(&str, f64)], sink: S) -> Result<S::Ok, S::Error> {
+    sink.collect_map(passes.iter().copied())
 }

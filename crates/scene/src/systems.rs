@@ -72,7 +72,7 @@ use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, Pass};
-use wavecrest_core::prepared::{Dropped, PreparedScene};
+use wavecrest_core::prepared::PreparedScene;
 
 /// The scene without its tree, sufficient to predict a render.
 #[derive(Debug)]
@@ -158,7 +158,7 @@ pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
         appearance: appearance::run(&world, &plan, classes, images, cutouts, arrays.meshes),
         accel: Accel::unbuilt(arrays.geometry),
         plan,
-        dropped: Dropped::default(),
+        degenerate: 0,
     };
     Ok(Extracted { scene, file: frame.settings.file })
 }
@@ -189,7 +189,7 @@ impl Extracted {
         Stage::Build.begin();
         self.scene.accel.rebuild(preset);
         // From a pass over every triangle.
-        self.scene.dropped = Dropped { degenerate: self.scene.accel.left_out() };
+        self.scene.degenerate = self.scene.accel.left_out();
         self.scene
     }
 }
@@ -202,7 +202,7 @@ pub fn warnings(scene: &PreparedScene, file: &Path) -> Vec<Warning> {
 
 /// The note that parts of the scene of `file`, which nothing could show, are dropped.
 pub fn note(scene: &PreparedScene, file: &Path) -> Option<Warning> {
-    let message = match scene.dropped.degenerate {
+    let message = match scene.degenerate {
         0 => return None,
         1 => "1 triangle has no area and is left out".to_owned(),
         n => format!("{n} triangles have no area and are left out"),

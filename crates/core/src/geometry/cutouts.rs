@@ -9,12 +9,9 @@ use std::sync::Arc;
 
 use glam::Vec2;
 
+use super::Geometry;
 use crate::kernels::texture::Placing;
 use crate::kernels::{CornerValues, Filter, LazyImage, UvMap, Wrap};
-
-/// The cut-outs of a geometry, in the order of their primitives.
-#[derive(Clone, Debug, Default)]
-pub struct Cutouts(Vec<Cutout>);
 
 /// Primitives with the same cut-out.
 #[derive(Clone, Debug)]
@@ -50,30 +47,13 @@ pub struct MeshUvs {
     pub alphas: Option<Arc<CornerValues<f32>>>,
 }
 
-impl Cutouts {
-    /// The cut-outs of primitives that do not overlap.
-    pub fn new(mut all: Vec<Cutout>) -> Self {
-        all.sort_unstable_by_key(|cutout| cutout.primitives.start);
-        Self(all)
-    }
-
-    /// Whether there are none.
-    #[inline(always)]
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
-    /// All of them.
-    pub fn iter(&self) -> impl Iterator<Item = &Cutout> {
-        self.0.iter()
-    }
-
+impl Geometry {
     /// The cut-out of the primitive with this number.
     #[cold]
     #[inline(never)]
-    pub(crate) fn of(&self, number: u32) -> Option<&Cutout> {
-        let after = self.0.partition_point(|cutout| cutout.primitives.start <= number);
-        self.0[..after].last().filter(|cutout| cutout.primitives.contains(&number))
+    pub(crate) fn cutout(&self, number: u32) -> Option<&Cutout> {
+        let after = self.cutouts.partition_point(|cutout| cutout.primitives.start <= number);
+        self.cutouts[..after].last().filter(|cutout| cutout.primitives.contains(&number))
     }
 }
 

@@ -43,7 +43,7 @@ impl Geometry {
         tests: &mut TestCounts,
     ) -> bool {
         let is_hole = |cutout: &_| self.is_hole_of::<P>(cutout, number, ray, t, tests);
-        !self.cutouts.is_empty() && self.cutouts.of(number).is_some_and(is_hole)
+        !self.cutouts.is_empty() && self.cutout(number).is_some_and(is_hole)
     }
 
     /// As [`Self::is_hole`], for a primitive with this cut-out.

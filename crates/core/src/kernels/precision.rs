@@ -36,11 +36,8 @@ impl Precision {
 
 /// The choice at compile time: kernels are generic over it.
 pub trait Arithmetic: Copy + std::fmt::Debug + Send + Sync + 'static {
-    /// The precision.
-    const PRECISION: Precision;
-
     /// Whether it is [`Fast`].
-    const IS_FAST: bool = matches!(Self::PRECISION, Precision::Fast);
+    const IS_FAST: bool = false;
 
     /// Whether it is [`Reference`].
     const IS_REFERENCE: bool = false;
@@ -63,20 +60,16 @@ pub struct Exact;
 pub struct Reference;
 
 impl Arithmetic for Fast {
-    const PRECISION: Precision = Precision::Fast;
+    const IS_FAST: bool = true;
 
     type Reference = Fast;
 }
 
 impl Arithmetic for Exact {
-    const PRECISION: Precision = Precision::Exact;
-
     type Reference = Reference;
 }
 
 impl Arithmetic for Reference {
-    const PRECISION: Precision = Precision::Exact;
-
     const IS_REFERENCE: bool = true;
 
     type Reference = Reference;

@@ -98,11 +98,6 @@ impl Class {
         self.transparency.map_or(0.0, |transparency| transparency.kt)
     }
 
-    /// The share of light that is not refracted.
-    pub(super) fn scattered(&self) -> f32 {
-        (1.0 - self.kt()).max(0.0)
-    }
-
     pub(super) fn opacity(&self) -> f32 {
         self.transparency.map_or(1.0, |transparency| transparency.opacity)
     }

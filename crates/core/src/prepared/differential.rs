@@ -37,36 +37,24 @@ impl PreparedScene {
         found
     }
 
-    /// The differential of the mirror ray at `point`, from that of `ray`, which arrives there with
-    /// `hit` and has its own differential, or that of a camera ray.
-    pub fn mirrored(
+    /// The differential of the ray that is mirrored at `point`, or `refracted`, from that of `ray`, which arrives
+    /// there with `hit` and has its own differential, or that of a camera ray.
+    pub fn turned(
         &self,
         carried: Option<Differential>,
-        ray: &Ray,
-        hit: &Hit,
+        (ray, hit): (&Ray, &Hit),
         point: &ShadingPoint<f32>,
+        refracted: Option<&Refracted>,
         look_ups: &mut SampleCounts,
     ) -> Differential {
         look_ups.footprints += 1;
         let (group, line) = (self.group(ray, hit), Line::from(ray));
-        let place = (self.accel.geometry().kind(hit.primitive), &line, hit.t);
-        group.mirrored(self, place, &|_| carried, point)
-    }
-
-    /// The differential of the ray that is bent at `point`.
-    pub(super) fn refracted(
-        &self,
-        differential: &Differential,
-        (ray, hit): (&Ray, &Hit),
-        point: &ShadingPoint<f32>,
-        &Refracted { direction, ratio, smooth, .. }: &Refracted,
-        look_ups: &mut SampleCounts,
-    ) -> Differential {
-        look_ups.footprints += 1;
-        let line = Line::from(ray);
-        let place = (self.accel.geometry().kind(hit.primitive), &line, hit.t);
-        let refracted = Some((direction.into(), ratio));
-        self.group(ray, hit).turned(self, place, differential, (point, smooth), refracted)
+        let hits = (self.accel.geometry().kind(hit.primitive), &line, hit.t);
+        let Some(&Refracted { direction, ratio, smooth, .. }) = refracted else {
+            return group.mirrored(self, hits, &|_| carried, point);
+        };
+        let from = self.incoming_differentials(line.direction, &|_| carried);
+        group.turned(self, hits, &from, (point, smooth), Some((direction.into(), ratio)))
     }
 }
 

@@ -117,7 +117,7 @@ impl<F: Single> Group<F> {
             point.color = self.with_vertex_colors(point.color, surfaces.barycentric);
             return point;
         }
-        point.occlusion = point.occlusion.times(class.scattered());
+        point.occlusion = point.occlusion.times((1.0 - class.kt()).max(0.0));
         point.opacity = F::splat(token, class.opacity());
         // Copies, so that the point stays in registers if there are no maps.
         let (mut mapped, surfaces) = (point, surfaces);

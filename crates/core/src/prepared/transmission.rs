@@ -215,12 +215,14 @@ impl PreparedScene {
         if let Some(from) = &from {
             let [mirror, bent, _] = &mut branches;
             if let Some(mirror) = mirror {
-                mirror.differential = Some(self.mirrored(Some(*from), &ray, hit, point, look_ups));
+                mirror.differential =
+                    Some(self.turned(Some(*from), (&ray, hit), point, None, look_ups));
             }
             if let (Some(bent), Some(refracted)) = (bent, &refracted)
                 && bent.differential.is_none()
             {
-                let found = self.refracted(from, (&ray, hit), point, refracted, look_ups);
+                let refracted = Some(refracted);
+                let found = self.turned(Some(*from), (&ray, hit), point, refracted, look_ups);
                 bent.differential = Some(found);
             }
         }

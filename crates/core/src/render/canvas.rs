@@ -31,7 +31,7 @@ impl<'a> Canvas<'a> {
     /// # Errors
     /// If there is no memory for the film.
     pub fn new(grid: Grid, blocks: Blocks, watch: &'a dyn Watch) -> Result<Self> {
-        let film = Film::new(grid.window().width, grid.window().height)?;
+        let film = Film::new(grid.window.width, grid.window.height)?;
         let painted = Mutex::new(Painted { film, tiles: Vec::new(), pixels: 0 });
         Ok(Self { grid, blocks, watch, painted })
     }
@@ -42,12 +42,12 @@ impl<'a> Canvas<'a> {
             return;
         }
         let tile = self.grid.tile(summed.tile);
-        let samples = f64::from(self.blocks.samples());
+        let samples = f64::from(self.blocks.samples);
         let mean = |sum: &[f64; 3]| sum.map(|s| (s / samples) as f32);
         let means: Vec<[f32; 3]> = summed.sums.iter().map(mean).collect();
         self.watch.tile(&tile, &means);
         let mut painted = self.painted.lock().unwrap_or_else(PoisonError::into_inner);
-        let window = self.grid.window();
+        let window = self.grid.window;
         painted.film.paste([tile.x - window.x, tile.y - window.y], tile.width, &means);
         painted.tiles.push(tile);
         painted.pixels += tile.len() as u64;

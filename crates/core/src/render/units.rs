@@ -18,7 +18,8 @@ const MOST_BLOCKS: u32 = 64;
 /// A pixel's samples, cut into blocks of equal length except for the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Blocks {
-    samples: u32,
+    /// The number of samples of the pixel.
+    pub samples: u32,
     length: u32,
 }
 
@@ -40,11 +41,6 @@ impl Blocks {
         self.length
     }
 
-    /// The number of samples of the pixel.
-    pub fn samples(&self) -> u32 {
-        self.samples
-    }
-
     /// The samples of a block, by number.
     pub fn range(&self, block: u32) -> Range<u32> {
         let start = (block * self.length).min(self.samples);
@@ -56,24 +52,16 @@ impl Blocks {
 /// bottom edges may be smaller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
-    window: Tile,
-    edge: u32,
+    /// The rectangle.
+    pub window: Tile,
+    /// The side of a tile in pixels.
+    pub edge: u32,
 }
 
 impl Grid {
     /// `window`, cut into tiles with sides of `edge` pixels, at least one.
     pub fn new(window: Tile, edge: u32) -> Self {
         Self { window, edge: edge.max(1) }
-    }
-
-    /// The rectangle.
-    pub fn window(&self) -> &Tile {
-        &self.window
-    }
-
-    /// The side of a tile in pixels.
-    pub fn edge(&self) -> u32 {
-        self.edge
     }
 
     /// Number of tiles in a row.

@@ -112,7 +112,7 @@ struct Worker {
 
 impl Worker {
     fn new(tracer: Box<dyn Tracer>, tasks: &TaskList<'_>) -> Self {
-        let pixels = tasks.grid.edge() as usize * tasks.grid.edge() as usize;
+        let pixels = tasks.grid.edge as usize * tasks.grid.edge as usize;
         let block = if tasks.blocks.count() > 1 { pixels } else { 0 };
         Self { tracer, sums: vec![[0.0; 3]; pixels], block: vec![[0.0; 3]; block] }
     }

@@ -7,14 +7,11 @@
 use std::ops::Range;
 
 use crate::geometry::ShadingKind;
-use crate::math::{LANES, Ray, Single};
+use crate::math::{Ray, Single};
 use crate::prepared::{Face, Group, PreparedScene};
 
 /// Groups of hits that are fetched together.
 const GROUPS: usize = 8;
-
-/// Largest number of hits in a block.
-const BLOCK: usize = GROUPS * LANES;
 
 /// Groups of hits that are fetched together.
 pub(super) struct Groups<F: Single>([Group<F>; GROUPS]);
@@ -48,33 +45,6 @@ impl<F: Single> Groups<F> {
             }
         }
         &self.0[..count]
-    }
-}
-
-/// Hits of one kind that wait for a full block.
-pub(super) struct WaitingHits {
-    waiting: [Face; BLOCK],
-    count: usize,
-}
-
-impl WaitingHits {
-    pub(super) fn new() -> Self {
-        Self { waiting: [Face::default(); BLOCK], count: 0 }
-    }
-
-    /// Adds a hit. Returns whether there are `block` hits.
-    #[inline(always)]
-    pub(super) fn push(&mut self, face: Face, block: usize) -> bool {
-        self.waiting[self.count % BLOCK] = face;
-        self.count += 1;
-        self.count >= block
-    }
-
-    /// The hits, which are then forgotten.
-    #[inline(always)]
-    pub(super) fn take(&mut self) -> &[Face] {
-        let count = std::mem::take(&mut self.count);
-        &self.waiting[..count.min(BLOCK)]
     }
 }
 

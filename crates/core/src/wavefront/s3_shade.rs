@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::{Groups, SortedHits, Vectors, WaitingHits, Wavefront};
+use super::{Groups, SortedHits, Vectors, Wavefront};
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::geometry::ShadingKind;
 use crate::kernels::shade::mirror_request;
@@ -66,7 +66,8 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
         let appearance = &self.scene.appearance;
         let geometry = self.scene.accel.geometry();
         let mut groups = Groups::<F>::new();
-        let mut waiting = ShadingKind::ALL.map(|_| WaitingHits::new());
+        let block = Groups::<F>::BLOCK;
+        let mut waiting = ShadingKind::ALL.map(|_| Vec::with_capacity(block));
         let mut sorted = std::mem::take(&mut self.own.batch.sorted);
         // The last shape hit: the next hit is likely on it too.
         let (mut last, mut is_plain) = (usize::MAX, true);
@@ -94,15 +95,17 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
             let face = Face { ray: i as u32, primitive, shape: last as u32 };
             if is_plain {
                 let waiting = &mut waiting[kind as usize];
-                if waiting.push(face, Groups::<F>::BLOCK) {
-                    self.block(token, &mut groups, waiting.take(), kind);
+                waiting.push(face);
+                if waiting.len() == block {
+                    self.block(token, &mut groups, waiting, kind);
+                    waiting.clear();
                 }
             } else if sorted.push(face, shape.class, kind) {
                 self.spans(token, &mut groups, &mut sorted);
             }
         }
-        for (waiting, kind) in waiting.iter_mut().zip(ShadingKind::ALL) {
-            self.block(token, &mut groups, waiting.take(), kind);
+        for (waiting, kind) in waiting.iter().zip(ShadingKind::ALL) {
+            self.block(token, &mut groups, waiting, kind);
         }
         self.spans(token, &mut groups, &mut sorted);
         self.own.batch.sorted = sorted;

@@ -56,7 +56,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     }
     let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
     // Allocate only an image that the parts can fill, whatever size they claim.
-    let pixels = grid.window().len() as u64;
+    let pixels = grid.window.len() as u64;
     if held < pixels * size_of::<[f64; 3]>() as u64 {
         return Err(incomplete(&shards, format!("{held} bytes of parts for {pixels} pixels")));
     }

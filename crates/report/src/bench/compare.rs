@@ -7,12 +7,13 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::equal::RunDifference;
 use super::variant::{ListedVariant, Variant, Varied};
 use crate::measure::{RoundLimits, Rounds, TimedRounds, Timing, measure};
 use crate::page::Cell;
+use crate::statistics::as_map;
 use crate::summary::{MedianInterval, Summary, median};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::counters::{Counters, Kernels, TestCounts};
@@ -295,8 +296,4 @@ fn costs(passes: &[(&'static str, f64)], c: &Counters) -> Vec<PassCost> {
         Some(PassCost { pass, of, count, nanoseconds: 1e9 * seconds / count as f64 })
     };
     with_work.filter_map(cost).collect()
-}
-
-fn as_map<S: Serializer>(passes: &[(&str, f64)], sink: S) -> std::result::Result<S::Ok, S::Error> {
-    sink.collect_map(passes.iter().copied())
 }

@@ -18,7 +18,7 @@ use crate::image_file::{Head, range};
 use crate::mesh::MeshData;
 use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_base::error::Result;
-use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
+use wavecrest_core::geometry::cutouts::{Cutout, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::texture::{Filter, LazyImage, Wrap};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
@@ -62,9 +62,10 @@ pub(super) fn run(
             }
         }
     }
-    geometry.cutouts = Cutouts::new(own);
+    own.sort_unstable_by_key(|cutout| cutout.primitives.start);
+    geometry.cutouts = own;
     for (prototype, cutout) in geometry.prototypes.iter_mut().zip(of_prototypes) {
-        prototype.cutouts = Cutouts::new(cutout.into_iter().collect());
+        prototype.cutouts = cutout.into_iter().collect();
     }
     Ok(used)
 }

@@ -119,7 +119,7 @@ fn ordered(geometry: &Geometry, mut members: Vec<(Entry, Aabb)>) -> Vec<(Entry, 
     let mut known = HashSet::new();
     members.retain(|(single, _)| {
         let Some(corners) = single.corners else { return true };
-        let has_holes = geometry.cutouts.of(single.number).is_some();
+        let has_holes = !geometry.cutouts.is_empty() && geometry.cutout(single.number).is_some();
         if has_holes || geometry.is_transparent(single.number) {
             return true;
         }

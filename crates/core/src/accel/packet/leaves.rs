@@ -296,7 +296,7 @@ impl RayTile {
         tests: &mut TestCounts,
     ) -> u32 {
         let number = searched.tree.arena.view().number_of(leaf, entry);
-        let Some(cutout) = searched.geometry.cutouts.of(number) else { return hits };
+        let Some(cutout) = searched.geometry.cutout(number) else { return hits };
         let mut opaque = 0;
         for lane in set_bits::<WIDTH>(hits) {
             let (ray, t) = (self.ray(g * WIDTH + lane), low[lane]);

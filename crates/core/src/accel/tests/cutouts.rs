@@ -10,7 +10,7 @@ use crate::accel::Accel;
 use crate::accel::build::Preset;
 use crate::accel::crossings::tests::checked;
 use crate::geometry::Geometry;
-use crate::geometry::cutouts::{Cutout, Cutouts};
+use crate::geometry::cutouts::Cutout;
 use crate::geometry::instance::Instance;
 use crate::kernels::texture::{PlanarMap, Texels};
 use crate::kernels::{Aabb, Filter, Image, LazyImage, UvMap, Wrap};
@@ -60,11 +60,11 @@ fn half_cut_out(numbers: &mut Numbers) -> Geometry {
         map: UvMap::Sphere(glam::Mat3::IDENTITY),
         ..cutout(spheres..spheres + 10, 0.5, checkers())
     };
-    geometry.cutouts = Cutouts::new(vec![
-        sphere,
+    geometry.cutouts = vec![
         cutout(20..triangles / 2, 0.4, checkers()),
         cutout(triangles..triangles + quads / 2, 0.6, checkers()),
-    ]);
+        sphere,
+    ];
     geometry
 }
 
@@ -74,7 +74,7 @@ fn every_kernel_answers_as_brute_force() {
     let geometry = half_cut_out(&mut numbers);
     let rays = rays(&mut numbers, &geometry);
     let cut = compare("cut-outs", &geometry, &rays);
-    let whole = Geometry { cutouts: Cutouts::default(), ..geometry };
+    let whole = Geometry { cutouts: Vec::new(), ..geometry };
     assert!(cut > 1500 && cut < compare("whole", &whole, &rays), "{cut}");
 }
 
@@ -84,7 +84,7 @@ fn what_rays_cross_is_without_holes() {
     let geometry = half_cut_out(&mut numbers);
     let rays = &rays(&mut numbers, &geometry)[..600];
     let cut = checked(&geometry, rays);
-    assert_ne!(checked(&Geometry { cutouts: Cutouts::default(), ..geometry }, rays), cut);
+    assert_ne!(checked(&Geometry { cutouts: Vec::new(), ..geometry }, rays), cut);
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn instances_are_cut_out_as_their_prototype_is() {
     let mut numbers = Numbers(50_000);
     let mut prototype = half_cut_out(&mut numbers);
     (prototype.quads, prototype.quadrics) = (Vec::new(), Vec::new());
-    prototype.cutouts = Cutouts::new(vec![cutout(0..300, 0.5, checkers())]);
+    prototype.cutouts = vec![cutout(0..300, 0.5, checkers())];
     let bounds = Aabb { low: Vec3::splat(-1.5), high: Vec3::splat(1.5) };
     let triangles = prototype.triangles.len() as u32;
     let instance = |i: u32| {
@@ -124,7 +124,7 @@ fn a_ray_passes_many_layers() {
     let z: Vec<f32> = (0..300).map(|i| i as f32 / -100.0).collect();
     let mut geometry = squares(&z);
     let last = geometry.triangles.len() as u32 - 2;
-    geometry.cutouts = Cutouts::new(vec![cutout(0..last, 0.5, image(|_| 0))]);
+    geometry.cutouts = vec![cutout(0..last, 0.5, image(|_| 0))];
     let ray = |i: u8| {
         let x = f32::from(i) / 400.0;
         Ray::new(Vec3::new(x, x / 2.0, 1.0), Vec3::NEG_Z)

@@ -17,6 +17,7 @@ macro_rules! columns {
             rows: usize,
             /// Rows to allocate at the first one.
             wanted: usize,
+            allocated: usize,
         }
 
         impl $name {
@@ -36,8 +37,13 @@ macro_rules! columns {
             #[cold]
             #[inline(never)]
             fn set_aside(&mut self) {
-                let room = $crate::wavefront::batch::columns::room(self.wanted);
-                *self = Self { $( $field: Column::with_rows(room), )+ rows: 0, wanted: 0 };
+                let allocated = $crate::wavefront::batch::columns::room(self.wanted);
+                *self = Self {
+                    $( $field: Column::with_rows(allocated), )+
+                    rows: 0,
+                    wanted: 0,
+                    allocated,
+                };
             }
 
             /// Removes every row and keeps the memory.
@@ -57,7 +63,7 @@ macro_rules! columns {
 
             /// Bytes held.
             pub fn bytes(&self) -> usize {
-                0 $( + self.$field.rows() * <$kind as Column>::ITEM_BYTES )+
+                self.allocated * Self::ROW_BYTES
             }
 
             /// Bytes that one row takes.
@@ -76,9 +82,6 @@ pub(super) trait Column {
     const ITEM_BYTES: usize;
 
     fn with_rows(rows: usize) -> Self;
-
-    /// Allocated rows.
-    fn rows(&self) -> usize;
 }
 
 impl<T: Copy + Default> Column for Vec<T> {
@@ -87,10 +90,6 @@ impl<T: Copy + Default> Column for Vec<T> {
     fn with_rows(rows: usize) -> Self {
         vec![T::default(); rows]
     }
-
-    fn rows(&self) -> usize {
-        self.len()
-    }
 }
 
 impl Column for Vectors {
@@ -98,10 +97,6 @@ impl Column for Vectors {
 
     fn with_rows(rows: usize) -> Self {
         Self { x: vec![0.0; rows], y: vec![0.0; rows], z: vec![0.0; rows] }
-    }
-
-    fn rows(&self) -> usize {
-        self.x.len()
     }
 }
 
