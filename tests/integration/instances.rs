@@ -118,6 +118,6 @@ fn small_forms_are_copied_to_where_they_are_shown() {
     let counts = [geometry.triangles.len(), geometry.quads.len(), geometry.quadrics.len()];
     assert_eq!(counts, [3, 2, 2]);
     assert_eq!(geometry.quadrics[1].sphere(), Some((Vec3::new(3.0, 0.0, 0.0), 2.0)));
-    let places: Vec<&str> = ready.appearance.places.iter().map(String::as_str).collect();
+    let places: Vec<&str> = ready.appearance.paths.iter().map(String::as_str).collect();
     assert!(places.contains(&"scene.instances[3]") && !places.contains(&"scene.shapes[3]"));
 }

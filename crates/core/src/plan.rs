@@ -8,7 +8,7 @@ pub mod schedule;
 
 use serde::Serialize;
 
-use schedule::{PASSES, Pass, Schedule};
+use schedule::{Pass, Schedule};
 
 wavecrest_base::choices! {
     /// An effect that costs time only in scenes that show it, in the order in which a ray meets them.
@@ -87,13 +87,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan with these decisions.
-    pub fn new(decisions: Vec<Decision>) -> Self {
-        Self::of(decisions, &PASSES)
-    }
-
-    /// As [`Plan::new`], with another table than [`PASSES`]: for tests of the table itself, and for
-    /// renders that skip nothing ([`schedule::unplanned`]).
+    /// The plan with these decisions. Another table than [`PASSES`](schedule::PASSES) is for tests of the table
+    /// itself, and for renders that skip nothing ([`schedule::unplanned`]).
     pub fn of(decisions: Vec<Decision>, passes: &[Pass]) -> Self {
         let schedule = Schedule::new(passes, &decisions);
         Self { decisions, schedule }

@@ -36,7 +36,7 @@ use crate::kernels::{Camera, Environment, Filter, Hemisphere, Light, Wrap};
 use crate::plan::Plan;
 use group::{GroupHits, set, three};
 use interface::{Interface, InterfaceHit};
-use maps::LookUpPlace;
+use maps::MappedHits;
 use media::Sides;
 use wavecrest_base::error::Result;
 
@@ -88,7 +88,7 @@ pub struct Appearance {
     /// The classes of shapes.
     pub classes: Vec<Class>,
     /// For each shape the path of its entry in the scene file.
-    pub places: Vec<String>,
+    pub paths: Vec<String>,
     /// The names of shapes.
     pub names: Vec<Option<String>>,
     /// The images that may be visible, each once.

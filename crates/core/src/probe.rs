@@ -110,9 +110,9 @@ struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    fn place_of(&self, primitive: u32) -> String {
+    fn path_of(&self, primitive: u32) -> String {
         let appearance = &self.scene.appearance;
-        appearance.places.get(appearance.shape_of(primitive)).cloned().unwrap_or_default()
+        appearance.paths.get(appearance.shape_of(primitive)).cloned().unwrap_or_default()
     }
 
     fn met(&self, ray: &Ray, hit: &Hit) -> HitRecord {
@@ -121,7 +121,7 @@ impl Recorder<'_> {
         HitRecord {
             primitive: hit.primitive,
             kind: kind(geometry, hit.primitive),
-            shape: self.place_of(hit.primitive),
+            shape: self.path_of(hit.primitive),
             name: appearance.names.get(appearance.shape_of(hit.primitive)).cloned().flatten(),
             surface: None,
             t: hit.t,
@@ -144,7 +144,7 @@ impl Recorder<'_> {
     fn blocked(&mut self, ray: &Ray) -> Visibility {
         let hit = occluder(&self.scene.accel, ray, &mut self.traversal);
         let primitive = (!hit.is_miss()).then_some(hit.primitive);
-        let shape = primitive.map_or_else(String::new, |number| self.place_of(number));
+        let shape = primitive.map_or_else(String::new, |number| self.path_of(number));
         Visibility::Occluded { primitive, shape, t: hit.t }
     }
 }
@@ -153,9 +153,9 @@ impl Observer for Recorder<'_> {
     fn ray(&mut self, branch: &Branch, hit: &Hit, tests: TestCounts) {
         let Branch { ray, throughput, state, .. } = branch;
         let appearance = &self.scene.appearance;
-        let place_of_solid = |solid| {
+        let path_of_solid = |solid| {
             let shape = appearance.shapes.iter().position(|shape| shape.solid == Some(solid));
-            shape.map_or_else(String::new, |shape| appearance.places[shape].clone())
+            shape.map_or_else(String::new, |shape| appearance.paths[shape].clone())
         };
         let met = (!hit.is_miss()).then(|| self.met(ray, hit));
         self.count.set(self.count.get() + 1);
@@ -167,7 +167,7 @@ impl Observer for Recorder<'_> {
             throughput: *throughput,
             origin: ray.origin.as_dvec3() + self.scene.origin,
             direction: ray.direction,
-            medium: state.media.medium().map(place_of_solid),
+            medium: state.media.medium().map(path_of_solid),
             nodes: tests.nodes,
             leaves: tests.leaves,
             primitives: tests.primitives.all(),
@@ -243,8 +243,8 @@ impl Observer for Recorder<'_> {
         };
         for branch in next {
             // As the tracer's own, of which faint ones wait below all others.
-            let place = if branch.state.faint { 0 } else { self.waiting.len() };
-            self.waiting.insert(place, (from, kind(branch)));
+            let index = if branch.state.faint { 0 } else { self.waiting.len() };
+            self.waiting.insert(index, (from, kind(branch)));
         }
         if let Some(bounce) = self.path.bounces.last_mut() {
             (bounce.radiance, bounce.end) = (radiance, next.is_empty().then_some(end));

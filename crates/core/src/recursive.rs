@@ -26,8 +26,6 @@ pub struct Recursive<P> {
     traversal: Traversal,
     /// What camera rays are inside of, as at the camera's position.
     start: MediumStack,
-    /// Whether rays after the first have differentials.
-    differentials: bool,
     /// The rays of the path that wait.
     waiting: Vec<Branch>,
     /// Memory for the transparent surfaces on a shadow ray.
@@ -49,7 +47,6 @@ impl<P: Arithmetic> Recursive<P> {
             seed,
             start: scene.media_at_camera::<P>(&mut traversal),
             traversal,
-            differentials: scene.carries_differentials(),
             waiting: Vec::new(),
             crossings: ShadowCrossings::default(),
             counters: Counters::default(),
@@ -214,7 +211,7 @@ impl<P: Arithmetic> Recursive<P> {
                         PathEnd::LastBounce
                     } else {
                         if let Some((next, throughput)) = mirror_ray(point, throughput) {
-                            let differential = self.differentials.then(|| {
+                            let differential = scene.carries_differentials().then(|| {
                                 let found = &mut self.counters.samples;
                                 scene.turned(at.differential, (&ray, &hit), point, None, found)
                             });

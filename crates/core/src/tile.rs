@@ -105,11 +105,6 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// All samples of a tile in `scene`.
-    pub fn whole(scene: &PreparedScene, tile: Tile) -> Self {
-        Self { tile, samples: 0..scene.camera.rays_per_pixel() }
-    }
-
     /// Number of paths: one for each sample of each pixel.
     pub fn paths(&self) -> u64 {
         self.tile.len() as u64 * self.samples.len() as u64

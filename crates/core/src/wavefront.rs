@@ -26,7 +26,7 @@ use crate::kernels::Arithmetic;
 use crate::prepared::{MOST_RAYS, MediumStack, PreparedScene};
 use crate::tile::{PassClock, TimedPass, Tracer, Unit};
 use batch::{Batch, Vectors};
-use faces::{Groups, SortedHits};
+use faces::{GROUPS, SortedHits};
 
 /// The default number of paths in a batch.
 pub const DEFAULT_BATCH: usize = 1024;

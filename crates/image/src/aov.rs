@@ -212,7 +212,8 @@ fn mark_invalid(
                 return;
             }
             let (x, y) = (window.x + column as u32, window.y + row as u32);
-            let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
+            let tile = Tile { x, y, width: 1, height: 1 };
+            let pixel = Unit { tile, samples: 0..scene.camera.rays_per_pixel() };
             let before = tracer.counters().invalid;
             tracer.render(scene, &pixel, &mut [[0.0; 3]], &|| watch.cancelled());
             let found = tracer.counters().invalid - before;
@@ -288,8 +289,8 @@ impl<'a> ShapeNumbers<'a> {
     /// The name of a shape, or else its place in the scene, which also tells shapes of one name
     /// apart.
     fn place(&self, shape: usize) -> String {
-        let Appearance { names, places, .. } = self.appearance;
-        let place = places.get(shape).cloned().unwrap_or_default();
+        let Appearance { names, paths, .. } = self.appearance;
+        let place = paths.get(shape).cloned().unwrap_or_default();
         match names.get(shape).and_then(Option::as_ref) {
             Some(name) if self.counts.get(name.as_str()) == Some(&1) => name.clone(),
             Some(name) => format!("{name} ({place})"),

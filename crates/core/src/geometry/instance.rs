@@ -1,4 +1,4 @@
-//! Instances: meshes that are stored once and shown in many places.
+//! Instances: meshes that are stored once and shown many times.
 //!
 //! An instance has no triangles of its own. A ray that may meet it is transformed into the space of
 //! its prototype, where it keeps its t, and is searched there. Primitives of instances have numbers

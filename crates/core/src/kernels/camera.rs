@@ -254,7 +254,7 @@ impl Camera {
         Differential { origin: [still; 2], direction: changes }
     }
 
-    /// The rays from points of the lens, given by places on the unit square, to the points in focus on
+    /// The rays from points of the lens, given by points of the unit square, to the points in focus on
     /// the rays through its centre. A lens of radius 0 is a pinhole, to the last bit.
     #[inline(always)]
     fn through_lens<F: Single>(

@@ -114,7 +114,7 @@ impl Triangles {
         (total > 0.0 && total.is_finite()).then_some(Self { corners, normals, cumulative })
     }
 
-    /// The points for places on the unit square: x chooses the triangle and, rescaled, a point on it.
+    /// The points for points of the unit square: x chooses the triangle and, rescaled, a point on it.
     #[inline(always)]
     fn points<F: Single>(&self, [x, y]: [F; 2]) -> LightPoint<F> {
         let token = x.token();
@@ -137,7 +137,7 @@ impl Triangles {
         points
     }
 
-    /// The points of a triangle for places on the unit square.
+    /// The points of a triangle for points of the unit square.
     #[inline(always)]
     fn point_of<F: Single>(&self, index: usize, square: [F; 2]) -> LightPoint<F> {
         let [second, third] = sampling::triangle(square);
@@ -199,7 +199,7 @@ impl Emitter {
     }
 
     /// The middle of a box, half of its sides, and a distance from it, within which all of the source is.
-    /// Sources without a place are on the unit sphere of directions to them.
+    /// Sources without a position are on the unit sphere of directions to them.
     pub fn extent(&self) -> (DVec3, DVec3, f64) {
         let round = |center: Vec3, radius: f32| (center.as_dvec3(), DVec3::ZERO, radius.into());
         match self {
@@ -325,7 +325,7 @@ impl Light {
         self.points((), index, *stream, [&[stream.pixel], &[stream.sample]])
     }
 
-    /// Its points at places on the unit square.
+    /// Its points at points of the unit square.
     #[inline(always)]
     fn at<F: Single>(&self, square: [F; 2]) -> LightPoint<F> {
         let token = square[0].token();

@@ -174,19 +174,6 @@ pub(super) fn settled<F: Single>(
     (t, F::mask(token, hit))
 }
 
-/// The smallest t within the range, and the lanes that have one.
-#[inline(always)]
-fn meet_closely<F: Single>(
-    line: &Line<F>,
-    center: Vec3,
-    radius: f32,
-    range: [F; 2],
-) -> (F, F::Mask) {
-    let token = range[0].token();
-    let roots = Roots::of(line, Vector::splat(token, center), F::splat(token, radius));
-    settled(line, &roots, range, |ray| intersect_exactly(ray, center, radius))
-}
-
 /// The root nearest to `t`, in double precision; `t` itself if rounding leaves none.
 #[inline(always)]
 pub(super) fn near<F: Single>(line: &Line<F>, t: F, center: Vector<F>, radius: F) -> F::Double {
@@ -251,7 +238,8 @@ pub fn meet<F: Single, P: Arithmetic>(
     if !(!passes).any() {
         return (range[1], !passes);
     }
-    meet_closely(line, center, radius, range)
+    let roots = Roots::of(line, centers, radii);
+    settled(line, &roots, range, |ray| intersect_exactly(ray, center, radius))
 }
 
 #[cfg(test)]
@@ -260,7 +248,9 @@ mod tests {
     use crate::math::Stream;
 
     fn is_met(ray: &Ray, center: Vec3, radius: f32) -> bool {
-        meet_closely(&Line::from(ray), center, radius, [ray.t_min, ray.t_max]).1
+        let (line, range) = (Line::from(ray), [ray.t_min, ray.t_max]);
+        let roots = Roots::of(&line, center.into(), radius);
+        settled(&line, &roots, range, |ray| intersect_exactly(ray, center, radius)).1
     }
 
     /// For grazing rays, from near and far, of all sizes: [`passes_by`] rejects no hit.

@@ -10,12 +10,9 @@ use super::{Arithmetic, disk, quad, sphere};
 use crate::math::float::{error_of_offset, gamma};
 use crate::math::{LANES, Line, Mask, Ray, Real, Single, Vector, set_bits};
 
-/// The distance by which fast arithmetic moves origins off surfaces, in scene units: a fixed
-/// length, as in most renderers. It is too short far from the origin, and too long in small scenes.
-pub const FAST_OFFSET: f32 = 1e-4;
-
-/// The error for which origins move by [`FAST_OFFSET`].
-pub(crate) const FAST_ERROR: f32 = error_of_offset(FAST_OFFSET);
+/// The error for which fast arithmetic moves origins off surfaces by 0.0001 scene units: a fixed length, as in most
+/// renderers. It is too short far from the origin, and too long in small scenes.
+const FAST_ERROR: f32 = error_of_offset(1e-4);
 
 /// A point of a surface, without its material.
 #[derive(Clone, Copy, Debug, PartialEq)]

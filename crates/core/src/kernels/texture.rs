@@ -242,15 +242,12 @@ fn log2_from_1(x: f64) -> f64 {
     (above >> 52) as f64 + s * sum * (2.0 / std::f64::consts::LN_2)
 }
 
-/// Texels that a bilinear look-up reads.
-const TEXELS_BETWEEN: u64 = 4;
-
 impl Filter {
     /// Number of texels that one look-up in one level reads.
     pub fn texels(self) -> u64 {
         match self {
             Self::Nearest => 1,
-            Self::Bilinear | Self::Trilinear => TEXELS_BETWEEN,
+            Self::Bilinear | Self::Trilinear => 4,
         }
     }
 }

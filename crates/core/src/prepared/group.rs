@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::{Appearance, Class, PreparedScene, SampleCounts};
 use crate::geometry::{Geometry, Primitive, ShadingKind};
-use crate::kernels::{Material, ShadingPoint, SurfacePoint, surface};
+use crate::kernels::{Material, SurfacePoint, surface};
 use crate::math::{LANES, Line, Ray, Single, Vector};
 
 /// A hit on a surface.
@@ -221,17 +221,6 @@ impl<F: Single> Group<F> {
     #[inline(always)]
     pub fn class<'a>(&self, appearance: &'a Appearance) -> &'a Class {
         appearance.class(&appearance.shapes[self.faces[0].shape as usize])
-    }
-
-    /// Adds the constants that only special materials have.
-    #[inline(always)]
-    pub(super) fn add_special(&self, point: &mut ShadingPoint<F>) {
-        if self.special != 0 {
-            let token = point.kr.token();
-            point.reflection.tint = Vector::load(token, &self.tint);
-            point.emission = Vector::load(token, &self.emission);
-            point.occlusion = F::load(token, &self.ambient);
-        }
     }
 
     /// Colours times those of vertices, where there are any.

@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 
-use super::{Class, Face, Group, GroupHits, LookUpPlace, PreparedScene, SampleCounts, three};
+use super::{Class, Face, Group, GroupHits, MappedHits, PreparedScene, SampleCounts, three};
 use crate::accel::Hit;
 use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::{Arithmetic, Differential, Reflection, ShadingPoint, SurfacePoint, surface};
@@ -111,7 +111,11 @@ impl<F: Single> Group<F> {
             lit: F::mask(token, self.used) & (F::mask(token, self.two_sided) | !at_back),
             inside: at_back,
         };
-        self.add_special(&mut point);
+        if self.special != 0 {
+            point.reflection.tint = Vector::load(token, &self.tint);
+            point.emission = Vector::load(token, &self.emission);
+            point.occlusion = F::load(token, &self.ambient);
+        }
         let class = self.class(&scene.appearance);
         if class.is_plain() {
             point.color = self.with_vertex_colors(point.color, surfaces.barycentric);
@@ -122,11 +126,11 @@ impl<F: Single> Group<F> {
         // Copies, so that the point stays in registers if there are no maps.
         let (mut mapped, surfaces) = (point, surfaces);
         let carried = Some(carried);
-        let place = LookUpPlace { group: self, surfaces: &surfaces, line, t, scene, carried };
+        let mapped_hits = MappedHits { group: self, surfaces: &surfaces, line, t, scene, carried };
         F::outlined(
             token,
             #[inline(always)]
-            || place.apply(class, &mut mapped, look_ups),
+            || mapped_hits.apply(class, &mut mapped, look_ups),
         );
         mapped
     }

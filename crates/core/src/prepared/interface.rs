@@ -33,7 +33,7 @@ pub(super) struct Interface {
     pub(super) second: Option<Hit>,
 }
 
-/// A hit and its place.
+/// A hit and its position.
 #[derive(Clone, Copy)]
 pub(super) struct InterfaceHit {
     pub(super) hit: Hit,
@@ -92,7 +92,7 @@ impl PreparedScene {
         let mut has_own = self.differ(&sides);
         let bends = transparency.kt > 0.0 && shape.solid.is_some() && crossed.is_some();
         while let Some(other) = next.filter(|_| bends) {
-            let found = self.place_of::<P>(ray, other, &last);
+            let found = self.located::<P>(ray, other, &last);
             if (last.point - found.point).dot(last.normal) > last.depth {
                 break;
             }
@@ -142,25 +142,25 @@ impl PreparedScene {
         }
         let is_hit = |other: &Hit| *other == hit;
         // A ball may be crossed twice at one rounded t.
-        let place =
+        let index =
             if at.leaves { hits.iter().rposition(is_hit) } else { hits.iter().position(is_hit) };
         let shape = self.appearance.shape_of(hit.primitive);
-        let place = place.or_else(|| {
+        let index = index.or_else(|| {
             hits.iter().position(|other| {
                 other.t == hit.t && self.appearance.shape_of(other.primitive) == shape
             })
         });
-        let behind = place.map_or_else(
+        let behind = index.map_or_else(
             || hits.iter().position(|other| other.t >= hit.t).unwrap_or(hits.len()),
-            |place| place + 1,
+            |index| index + 1,
         );
-        let found = (place.map(|place| hits[place]), hits.get(behind).copied());
+        let found = (index.map(|index| hits[index]), hits.get(behind).copied());
         traversal.crossed = hits;
         found
     }
 
-    /// The place of a hit that `ray` has behind `before`.
-    fn place_of<P: Arithmetic>(&self, ray: &Ray, hit: Hit, before: &InterfaceHit) -> InterfaceHit {
+    /// The position of a hit that `ray` has behind `before`.
+    fn located<P: Arithmetic>(&self, ray: &Ray, hit: Hit, before: &InterfaceHit) -> InterfaceHit {
         let (SurfacePoint { point, error, normal, .. }, leaves) = self.surface_of::<P>(ray, &hit);
         let depth = close_depth(error.element_sum());
         let is_behind = normal.dot(ray.direction.into()) > 0.0;

@@ -17,9 +17,9 @@ use crate::math::{Line, Real, Single, Vector, both};
 /// Returns the differential of the ray in a lane, unless it is a camera ray.
 type Carried<'a> = &'a dyn Fn(usize) -> Option<Differential>;
 
-/// Where a group of hits looks up maps.
-pub(super) struct LookUpPlace<'a, F: Single> {
-    /// The hits.
+/// A group of hits at which maps are looked up.
+pub(super) struct MappedHits<'a, F: Single> {
+    /// Their data.
     pub(super) group: &'a Group<F>,
     /// Their points.
     pub(super) surfaces: &'a SurfacePoint<F>,
@@ -32,9 +32,9 @@ pub(super) struct LookUpPlace<'a, F: Single> {
     pub(super) carried: Option<Carried<'a>>,
 }
 
-/// Look-ups at a place, with what earlier ones found.
+/// Look-ups at hits, with what earlier ones found.
 struct LookUp<'a, F: Single> {
-    place: &'a LookUpPlace<'a, F>,
+    hits: &'a MappedHits<'a, F>,
     counts: &'a mut SampleCounts,
     /// The changes of the points from one sample to the next.
     steps: Option<[Vector<F>; 2]>,
@@ -44,7 +44,7 @@ struct LookUp<'a, F: Single> {
     level: Option<([u32; 3], F)>,
 }
 
-impl<'a, F: Single> LookUpPlace<'a, F> {
+impl<'a, F: Single> MappedHits<'a, F> {
     /// Applies the maps of the class, and vertex colours after that of the base colour.
     #[inline(always)]
     pub(super) fn apply(
@@ -206,14 +206,14 @@ impl<'a, F: Single> LookUpPlace<'a, F> {
 
 impl<'a, F: Single> LookUp<'a, F> {
     #[inline(always)]
-    fn at(place: &'a LookUpPlace<'a, F>, counts: &'a mut SampleCounts) -> Self {
-        Self { place, counts, steps: None, coordinates: None, footprint: None, level: None }
+    fn at(hits: &'a MappedHits<'a, F>, counts: &'a mut SampleCounts) -> Self {
+        Self { hits, counts, steps: None, coordinates: None, footprint: None, level: None }
     }
 
     /// The colours of a texture; black if its image cannot be decoded, which ends a render.
     #[inline(always)]
     fn texel(&mut self, texture: &'a Texture) -> Vector<F> {
-        let LookUpPlace { group, scene, t, .. } = self.place;
+        let MappedHits { group, scene, t, .. } = self.hits;
         let Texture { image, filter, wrap, coordinates } = texture;
         let uv = self.coordinates(coordinates);
         let Some(image) = scene.appearance.images[*image as usize].usable() else {
@@ -224,7 +224,7 @@ impl<'a, F: Single> LookUp<'a, F> {
         if *filter != Filter::Trilinear {
             return image.look_up(uv, *filter, *wrap);
         }
-        let level = match self.place.carried {
+        let level = match self.hits.carried {
             Some(carried) => self.level(image, coordinates, carried),
             None => t.zero(),
         };
@@ -240,12 +240,12 @@ impl<'a, F: Single> LookUp<'a, F> {
         {
             return uv;
         }
-        let LookUpPlace { group, surfaces, .. } = self.place;
+        let MappedHits { group, surfaces, .. } = self.hits;
         let own = match &of.map {
             UvMap::Planar(map) => map.uv(surfaces.point),
             UvMap::Sphere(to_own) => sphere_uv(turned_by(to_own, surfaces.normal).normalize()),
             UvMap::Mesh => {
-                let [[au, av], [bu, bv], [cu, cv]] = group.uvs(self.place.t.token());
+                let [[au, av], [bu, bv], [cu, cv]] = group.uvs(self.hits.t.token());
                 let [y, z] = surfaces.barycentric;
                 let x = y.same(1.0) - y - z;
                 [au * x + bu * y + cu * z, av * x + bv * y + cv * z]
@@ -265,7 +265,7 @@ impl<'a, F: Single> LookUp<'a, F> {
         {
             return footprint;
         }
-        let &LookUpPlace { group, surfaces, line, t, scene, .. } = self.place;
+        let &MappedHits { group, surfaces, line, t, scene, .. } = self.hits;
         self.counts.footprints += u64::from(group.used.count_ones());
         let steps = match self.steps {
             Some(steps) => steps,

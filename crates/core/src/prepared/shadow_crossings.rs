@@ -8,7 +8,7 @@
 use glam::{DVec3, Vec3};
 
 use super::interface::{LEAST_COSINE, close_depth};
-use super::{Face, Group, LookUpPlace, MediumStack, PreparedScene, SampleCounts, Shape, set};
+use super::{Face, Group, MappedHits, MediumStack, PreparedScene, SampleCounts, Shape, set};
 use crate::accel::{Hit, Rays, Traversal};
 use crate::geometry::ShadingKind;
 use crate::kernels::Arithmetic;
@@ -199,11 +199,12 @@ impl ShadowCrossings {
         let (opacity, color) = if class.passes_evenly {
             constant
         } else {
-            let place = LookUpPlace { group, surfaces: &surfaces, line, t, scene, carried: None };
+            let mapped_hits =
+                MappedHits { group, surfaces: &surfaces, line, t, scene, carried: None };
             F::outlined(
                 token,
                 #[inline(always)]
-                || place.opacity_and_tint(class, look_ups),
+                || mapped_hits.opacity_and_tint(class, look_ups),
             )
         };
         for (lane, face) in faces.iter().enumerate() {

@@ -174,8 +174,8 @@ impl PreparedScene {
         let iors = [before, beyond].map(|media| self.medium(&media).ior);
         let (mirrored, refracted) = transparency.split(point, iors);
         let turned =
-            |place: [Vector<f32>; 3], state: PathState, direction: Vec3, throughput: Vec3| {
-                let [point, error, side] = place;
+            |start: [Vector<f32>; 3], state: PathState, direction: Vec3, throughput: Vec3| {
+                let [point, error, side] = start;
                 let ray = Ray::new(point.offset_origin(error, side, side).into(), direction);
                 let goes_on = counts(throughput, &state) && ray.is_valid();
                 let state = split(throughput, state);
@@ -185,9 +185,9 @@ impl PreparedScene {
         let mirror = Vec3::from(point.reflection.tint) * kr + Vec3::splat(mirrored);
         let (direction, _) = shade::mirrored(point.view, point.shading_normal, point.normal);
         let state = PathState { media: before, ..state };
-        let place = [point.point, point.error, point.normal];
+        let start = [point.point, point.error, point.normal];
         let mut branches = [
-            turned(place, state.mirrored(), direction.into(), own * mirror),
+            turned(start, state.mirrored(), direction.into(), own * mirror),
             refracted.and_then(|found| {
                 let state = PathState { bounces: state.bounces + 1, ..on };
                 let throughput = own * found.weight * interface.tint;

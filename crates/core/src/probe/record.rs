@@ -162,7 +162,7 @@ pub enum Visibility {
     },
 }
 
-/// The place of a sample that is not finite.
+/// Where a sample is not finite.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InvalidSample {
     /// Column of the pixel.

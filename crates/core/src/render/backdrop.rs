@@ -1,30 +1,25 @@
 //! Tiles that show nothing but the background: no ray of their pixels can meet anything, so none is
 //! traced.
 
-use glam::Vec3;
-
 use super::{Grid, RenderOptions, tile_edge, window};
-use crate::kernels::{Aabb, Camera};
+use crate::kernels::Aabb;
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};
 use wavecrest_base::error::Result;
 
 /// Where the background of a scene is seen alone.
 pub(super) struct Backdrop<'a> {
-    camera: &'a Camera,
+    pub(super) scene: &'a PreparedScene,
     /// See [`Accel::outline`](crate::accel::Accel::outline); `None` if it is seen alone nowhere, for
     /// all that is known.
     boxes: Option<Vec<(Aabb, f32)>>,
-    color: Vec3,
 }
 
 impl<'a> Backdrop<'a> {
     pub(super) fn of(scene: &'a PreparedScene) -> Self {
-        let (camera, color) = (&scene.camera, scene.background);
         // A sample that is not finite is counted, and has to be traced for it.
-        let is_even = color.is_finite() && scene.environment.is_none();
-        let boxes = scene.accel.outline().filter(|_| is_even);
-        Self { camera, boxes, color }
+        let is_even = scene.background.is_finite() && scene.environment.is_none();
+        Self { scene, boxes: scene.accel.outline().filter(|_| is_even) }
     }
 
     /// Whether no ray of the tile can meet anything.
@@ -32,7 +27,7 @@ impl<'a> Backdrop<'a> {
         let columns = || tile.x..tile.x + tile.width;
         let rows = || tile.y..tile.y + tile.height;
         let sees = |(bounds, widening): &(Aabb, f32)| {
-            self.camera.may_see_in([columns(), rows()], bounds, *widening)
+            self.scene.camera.may_see_in([columns(), rows()], bounds, *widening)
         };
         self.boxes.as_ref().is_some_and(|boxes| !boxes.iter().any(sees))
     }
@@ -40,7 +35,8 @@ impl<'a> Backdrop<'a> {
     /// Adds the samples of a unit that it fills. The sum of so many equal numbers of single
     /// precision is exact, and the product with their number is the same.
     pub(super) fn add(&self, unit: &Unit, sums: &mut [[f64; 3]]) {
-        let color = self.color.to_array().map(|c| f64::from(c) * unit.samples.len() as f64);
+        let color = self.scene.background.to_array();
+        let color = color.map(|c| f64::from(c) * unit.samples.len() as f64);
         for sum in sums {
             *sum = [0, 1, 2].map(|k| sum[k] + color[k]);
         }

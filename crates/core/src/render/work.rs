@@ -96,7 +96,7 @@ pub fn run(
         }
         let index = rayon::current_thread_index().unwrap_or(0) % threads;
         let mut worker = workers[index].lock().unwrap_or_else(PoisonError::into_inner);
-        worker.render((scene, &backdrop), tasks, &(tasks.task)(number), watch, keep);
+        worker.render(&backdrop, tasks, &(tasks.task)(number), watch, keep);
     });
     scene.appearance.check()?;
     Ok(gather(workers, start, scene.accel.geometry().precision))
@@ -119,7 +119,7 @@ impl Worker {
 
     fn render(
         &mut self,
-        (scene, backdrop): (&PreparedScene, &Backdrop<'_>),
+        backdrop: &Backdrop<'_>,
         tasks: &TaskList<'_>,
         task: &Task,
         watch: &dyn Watch,
@@ -143,7 +143,7 @@ impl Worker {
                 backdrop.add(unit, sums);
                 true
             }
-            false => tracer.render(scene, unit, sums, &|| watch.cancelled()),
+            false => tracer.render(backdrop.scene, unit, sums, &|| watch.cancelled()),
         };
         for number in task.blocks.clone() {
             // The loop over tasks has checked before the first block.

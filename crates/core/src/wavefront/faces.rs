@@ -10,42 +10,30 @@ use crate::geometry::ShadingKind;
 use crate::math::{Ray, Single};
 use crate::prepared::{Face, Group, PreparedScene};
 
-/// Groups of hits that are fetched together.
-const GROUPS: usize = 8;
+/// Groups of hits that are fetched together: a block.
+pub(super) const GROUPS: usize = 8;
 
-/// Groups of hits that are fetched together.
-pub(super) struct Groups<F: Single>([Group<F>; GROUPS]);
-
-impl<F: Single> Groups<F> {
-    /// Hits in a block.
-    pub(super) const BLOCK: usize = GROUPS * F::LANES;
-
-    pub(super) fn new() -> Self {
-        Self([Group::default(); GROUPS])
+/// Fetches the data of a block of hits, with corners only if needed.
+#[inline(always)]
+pub(super) fn fetch<'a, F: Single>(
+    groups: &'a mut [Group<F>; GROUPS],
+    faces: &[Face],
+    with_corners: bool,
+    scene: &PreparedScene,
+    ray: impl Fn(usize) -> Ray + Copy,
+) -> &'a [Group<F>] {
+    let count = faces.len().div_ceil(F::LANES).min(GROUPS);
+    for (group, faces) in groups.iter_mut().zip(faces.chunks(F::LANES)) {
+        group.begin(faces, &scene.appearance);
     }
-
-    /// Fetches the data of a block of hits, with corners only if needed.
-    #[inline(always)]
-    pub(super) fn fetch(
-        &mut self,
-        faces: &[Face],
-        with_corners: bool,
-        scene: &PreparedScene,
-        ray: impl Fn(usize) -> Ray + Copy,
-    ) -> &[Group<F>] {
-        let count = faces.len().div_ceil(F::LANES).min(GROUPS);
-        for (group, faces) in self.0.iter_mut().zip(faces.chunks(F::LANES)) {
-            group.begin(faces, &scene.appearance);
+    let asked = if with_corners { count } else { 0 };
+    for group in &mut groups[..asked] {
+        for lane in 0..F::LANES {
+            let number = group.faces[lane].ray as usize;
+            group.fetch(lane, scene, || ray(number));
         }
-        let asked = if with_corners { count } else { 0 };
-        for group in &mut self.0[..asked] {
-            for lane in 0..F::LANES {
-                let number = group.faces[lane].ray as usize;
-                group.fetch(lane, scene, || ray(number));
-            }
-        }
-        &self.0[..count]
     }
+    &groups[..count]
 }
 
 /// Hits that wait to be sorted by class and kind: enough for long spans, and so few that what one

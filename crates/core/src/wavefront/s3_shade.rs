@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::{Groups, SortedHits, Vectors, Wavefront};
+use super::{GROUPS, SortedHits, Vectors, Wavefront, faces};
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::geometry::ShadingKind;
 use crate::kernels::shade::mirror_request;
@@ -65,8 +65,8 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
     fn run<F: Single>(mut self, token: F::Token) {
         let appearance = &self.scene.appearance;
         let geometry = self.scene.accel.geometry();
-        let mut groups = Groups::<F>::new();
-        let block = Groups::<F>::BLOCK;
+        let mut groups = [Group::<F>::default(); GROUPS];
+        let block = GROUPS * F::LANES;
         let mut waiting = ShadingKind::ALL.map(|_| Vec::with_capacity(block));
         let mut sorted = std::mem::take(&mut self.own.batch.sorted);
         // The last shape hit: the next hit is likely on it too.
@@ -157,7 +157,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     fn spans<F: Single>(
         &mut self,
         token: F::Token,
-        groups: &mut Groups<F>,
+        groups: &mut [Group<F>; GROUPS],
         sorted: &mut SortedHits,
     ) {
         if sorted.is_empty() {
@@ -165,7 +165,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
         self.own.clock.lap(TimedPass::Shade);
         for (kind, faces) in sorted.sort() {
-            for faces in faces.chunks(Groups::<F>::BLOCK) {
+            for faces in faces.chunks(GROUPS * F::LANES) {
                 self.block(token, groups, faces, kind);
             }
         }
@@ -176,7 +176,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     fn block<F: Single>(
         &mut self,
         token: F::Token,
-        groups: &mut Groups<F>,
+        groups: &mut [Group<F>; GROUPS],
         faces: &[Face],
         kind: ShadingKind,
     ) {
@@ -189,7 +189,8 @@ impl<P: Arithmetic> Shade<'_, P> {
             || {
                 let rays = &self.own.batch.rays;
                 let ray = |i| rays.ray(i);
-                for group in groups.fetch(faces, self.own.needs_points, self.scene, ray) {
+                let with_corners = self.own.needs_points;
+                for group in faces::fetch(groups, faces, with_corners, self.scene, ray) {
                     self.group(token, group, kind);
                 }
             },

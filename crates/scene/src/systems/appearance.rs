@@ -21,16 +21,16 @@ pub(super) fn run(
     mut meshes: Vec<MeshAttributes>,
 ) -> Appearance {
     drop_unused(world, plan.schedule(), &classes, &mut meshes);
-    let (mut places, mut names) = (Vec::new(), Vec::new());
+    let (mut paths, mut names) = (Vec::new(), Vec::new());
     let mut shapes = Vec::new();
     let surfaces = world.view::<SurfaceColumns<'_>>();
     for (source, shape) in world.query::<(&Source, &Shape)>().iter() {
         let SurfaceComponents { place, name, .. } = SurfaceComponents::of(&surfaces, source.0);
-        places.push(place.to_owned());
+        paths.push(place.to_owned());
         names.push(name.map(|name| name.0.clone()));
         shapes.push(shape.clone());
     }
-    Appearance { shapes, classes, places, names, images, cutouts, meshes }
+    Appearance { shapes, classes, paths, names, images, cutouts, meshes }
 }
 
 /// Drops normals and colours of meshes that are not in view, unless the schedule requires them, and texture

@@ -24,7 +24,7 @@ pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
         n => format!(" and those of {n} other shapes"),
     };
     let message = format!("the camera sees only {back}{others}, which no light reaches");
-    let place = &appearance.places[first];
+    let place = &appearance.paths[first];
     // Otherwise it is one of a glTF file's nodes: both sides of a mesh by itself are lit.
     let remedy = match place.starts_with("scene.") {
         true => "set \"sides\" to \"both\", or turn a plane or a triangle with \"normal\": -1",

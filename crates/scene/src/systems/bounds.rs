@@ -25,7 +25,7 @@ pub fn of(geometry: &Geometry) -> Option<[DVec3; 2]> {
 /// As [`of`], of what a file has: without the ground that is added to files without lights.
 pub fn of_file(scene: &PreparedScene) -> Option<[DVec3; 2]> {
     let (geometry, appearance) = (scene.accel.geometry(), &scene.appearance);
-    let mut shapes = appearance.shapes.iter().zip(&appearance.places);
+    let mut shapes = appearance.shapes.iter().zip(&appearance.paths);
     let Some((ground, _)) = shapes.find(|(_, place)| *place == GROUND) else { return of(geometry) };
     let meshes = (0..(geometry.own() - geometry.quadrics.len()) as u32).into_par_iter();
     let own = meshes.filter(|number| !ground.primitives.contains(number));

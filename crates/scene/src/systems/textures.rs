@@ -182,5 +182,5 @@ pub(super) fn lazy(
         }
         Ok(image)
     };
-    LazyImage::new(name, decode).made_of(made_of)
+    LazyImage::new(name, made_of, decode)
 }

@@ -33,16 +33,16 @@ pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
 
 /// Whether a test ray meets anything but the ground, or there is nothing else.
 fn sees_some(scene: &PreparedScene) -> bool {
-    let places = &scene.appearance.places;
+    let paths = &scene.appearance.paths;
     let is_own = |place: &String| place != GROUND;
-    !places.iter().any(is_own) || test_rays(scene).any(|shape| is_own(&places[shape]))
+    !paths.iter().any(is_own) || test_rays(scene).any(|shape| is_own(&paths[shape]))
 }
 
 /// The number of triangles much farther from the middle than nearly all.
 fn outliers(scene: &PreparedScene) -> usize {
     let geometry = scene.accel.geometry();
     let corner = |triangle: &[u32; 3]| geometry.positions[triangle[0] as usize];
-    let shapes = scene.appearance.shapes.iter().zip(&scene.appearance.places);
+    let shapes = scene.appearance.shapes.iter().zip(&scene.appearance.paths);
     let mut corners: Vec<Vec3> = shapes
         .filter(|(_, place)| *place != GROUND)
         .flat_map(|(shape, _)| shape.primitives.clone())

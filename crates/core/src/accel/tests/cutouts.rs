@@ -20,7 +20,7 @@ use crate::math::Ray;
 fn image(alpha: impl Fn(u32) -> u8) -> Arc<LazyImage> {
     let texels = (0..64).map(|i| [alpha(i); 4]).collect();
     let decode = move || Ok(Image::new(8, 8, Texels::Bytes(texels)));
-    Arc::new(LazyImage::new("alpha".into(), decode))
+    Arc::new(LazyImage::new("alpha".into(), Vec::new, decode))
 }
 
 /// Holes and what is between them, of every alpha.

@@ -65,12 +65,12 @@ impl Camera {
             reach < -margin * normal.length()
         };
         let [width, height] = self.size().map(f64::from);
-        // From -1 to 1 across the image, and twice the error of such a place: in single precision it is
+        // From -1 to 1 across the image, and twice the error of such a position: in single precision it is
         // off by fewer than 4 roundings.
-        let place = |pixel: u32, side: f64| f64::from(pixel) * 2.0 / side - 1.0;
+        let position = |pixel: u32, side: f64| f64::from(pixel) * 2.0 / side - 1.0;
         let slack = 8.0 * f64::from(UNIT_ROUNDOFF);
-        let [left, right] = [columns.start, columns.end].map(|x| place(x, width));
-        let [low, high] = [rows.end, rows.start].map(|y| -place(y, height));
+        let [left, right] = [columns.start, columns.end].map(|x| position(x, width));
+        let [low, high] = [rows.end, rows.start].map(|y| -position(y, height));
         let sides =
             [(self.right, self.half[0], [left, right]), (self.up, self.half[1], [low, high])];
         !is_outside(forward, 0.0)

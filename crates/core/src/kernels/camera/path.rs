@@ -60,21 +60,18 @@ impl Path {
         let (a, b) = (after.saturating_sub(1), after.min(self.keys.len().saturating_sub(1)));
         let (first, second) = (self.keys.get(a)?, self.keys.get(b)?);
         let length = f64::from(second.frame) - f64::from(first.frame);
-        let part = if a == b || length <= 0.0 {
-            0.0
-        } else {
-            (f64::from(frame) - f64::from(first.frame)) / length
-        };
+        let passed = f64::from(frame) - f64::from(first.frame);
+        let part = if length > 0.0 { passed / length } else { 0.0 };
         let point = |of: &dyn Fn(&Keyframe) -> DVec3| self.point(a, b, part, of);
         let between = |a: f64, b: f64| a + (b - a) * part;
         let location = point(&|key| key.placement.location);
         let look = point(&|key| key.placement.look);
         let forward = (look - location).try_normalize()?;
-        let up = self.line(a, b, part, &|key| key.placement.up);
+        let [from, to] = [first, second].map(|key| key.placement.up);
         let placement = Placement {
             location,
             look,
-            up: across(up, forward),
+            up: across(from + (to - from) * part, forward),
             fov_degrees: between(first.placement.fov_degrees, second.placement.fov_degrees),
             ..first.placement
         };
@@ -84,17 +81,12 @@ impl Path {
         Some(camera)
     }
 
-    fn line(&self, a: usize, b: usize, part: f64, of: &dyn Fn(&Keyframe) -> DVec3) -> DVec3 {
-        let (from, to) = (of(&self.keys[a]), of(&self.keys[b]));
-        from + (to - from) * part
-    }
-
     fn point(&self, a: usize, b: usize, part: f64, of: &dyn Fn(&Keyframe) -> DVec3) -> DVec3 {
+        let (from, to) = (of(&self.keys[a]), of(&self.keys[b]));
         if a == b || self.interpolation == Interpolation::Linear {
-            return self.line(a, b, part, of);
+            return from + (to - from) * part;
         }
         let length = f64::from(self.keys[b].frame) - f64::from(self.keys[a].frame);
-        let (from, to) = (of(&self.keys[a]), of(&self.keys[b]));
         let [out, into] = [a, b].map(|key| self.tangent(key, of) * length);
         // Hermite's cubic.
         let (s, t) = (part * part, part * part * part);

@@ -61,7 +61,7 @@ impl Distant {
         (self.axes[0] * self.reach).as_vec3()
     }
 
-    /// The same towards the patch's points for places on the unit square, which preserves areas.
+    /// The same towards the patch's points for points of the unit square, which preserves areas.
     #[inline(always)]
     pub fn at<F: Single>(&self, square: [F; 2]) -> Vector<F> {
         let ([across, along], below) = sampling::cap(square, self.height);

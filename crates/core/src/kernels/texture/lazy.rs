@@ -9,17 +9,14 @@ use xxhash_rust::xxh3::xxh3_128;
 use super::Image;
 use wavecrest_base::error::Result;
 
-/// Decodes an image.
-type Decode = Box<dyn FnOnce() -> Result<Image> + Send>;
-
-/// Hashes what an image is decoded from.
-type Hash = Box<dyn FnOnce() -> u128 + Send>;
+/// A value that a function makes once.
+type Lazy<T> = LazyLock<T, Box<dyn FnOnce() -> T + Send>>;
 
 /// An image that is decoded once, by the first thread that asks for a texel; others wait for it.
 #[derive(Debug)]
 pub struct LazyImage {
-    image: LazyLock<Result<Image>, Decode>,
-    fingerprint: LazyLock<u128, Hash>,
+    image: Lazy<Result<Image>>,
+    fingerprint: Lazy<u128>,
     name: String,
 }
 
@@ -33,20 +30,15 @@ pub(crate) fn decoding() -> f64 {
 }
 
 impl LazyImage {
-    /// The image that `decode` makes of the source with this `name`. `decode` must not wait for threads that look up
-    /// images.
-    pub fn new(name: String, decode: impl FnOnce() -> Result<Image> + Send + 'static) -> Self {
-        let image = LazyLock::new(Box::new(decode) as Decode);
-        let fingerprint = LazyLock::new(Box::new(|| 0_u128) as Hash);
-        Self { image, fingerprint, name }
-    }
-
-    /// The image with a fingerprint: the hash of what `source` returns, the content of its file and
-    /// whatever else the texels depend on.
-    #[must_use]
-    pub fn made_of(self, source: impl FnOnce() -> Vec<u8> + Send + 'static) -> Self {
-        let hash: Hash = Box::new(move || xxh3_128(&source()));
-        Self { fingerprint: LazyLock::new(hash), ..self }
+    /// The image of this `name` that `decode` makes, which must not wait for threads that look up images. `source`
+    /// returns the content of its file and whatever else the texels depend on.
+    pub fn new(
+        name: String,
+        source: impl FnOnce() -> Vec<u8> + Send + 'static,
+        decode: impl FnOnce() -> Result<Image> + Send + 'static,
+    ) -> Self {
+        let hash = Box::new(move || xxh3_128(&source()));
+        Self { image: LazyLock::new(Box::new(decode)), fingerprint: LazyLock::new(hash), name }
     }
 
     /// A hash that distinguishes images, for which none is decoded.
@@ -86,7 +78,7 @@ impl LazyImage {
         LazyLock::get(&self.image)
     }
 
-    /// The path of its file, or its place in the scene's file.
+    /// The path of its file, or its JSON path in the scene's file.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -116,7 +108,7 @@ mod tests {
     fn an_image_is_decoded_once_by_whichever_thread_is_first() {
         let times = Arc::new(AtomicU32::new(0));
         let counter = Arc::clone(&times);
-        let image = LazyImage::new("a.png".into(), move || {
+        let image = LazyImage::new("a.png".into(), Vec::new, move || {
             counter.fetch_add(1, Ordering::Relaxed);
             Ok(Image::new(1, 1, Texels::Bytes(vec![[1, 2, 3, 0]])))
         });
@@ -131,7 +123,7 @@ mod tests {
 
     #[test]
     fn the_first_look_up_counts_as_decoding() {
-        let image = LazyImage::new("a.png".into(), || {
+        let image = LazyImage::new("a.png".into(), Vec::new, || {
             std::thread::sleep(Duration::from_millis(5));
             Ok(Image::new(1, 1, Texels::Bytes(vec![[1, 2, 3, 0]])))
         });
@@ -147,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_failure_is_reported_at_every_call() {
-        let image = LazyImage::new("a.png".into(), || {
+        let image = LazyImage::new("a.png".into(), Vec::new, || {
             Err(Error::new(ErrorKind::Texture, "no image").in_file("a.json"))
         });
         for _ in 0..2 {
