@@ -123,7 +123,6 @@ impl Recorder<'_> {
             kind: kind(geometry, hit.primitive),
             shape: self.path_of(hit.primitive),
             name: appearance.names.get(appearance.shape_of(hit.primitive)).cloned().flatten(),
-            surface: None,
             t: hit.t,
             t_error: (geometry.precision != Precision::Fast).then_some(UNIT_ROUNDOFF * hit.t.abs()),
             uv: found.barycentric,
@@ -131,8 +130,7 @@ impl Recorder<'_> {
             error: found.error.into(),
             normal: found.normal.into(),
             shading_normal: found.normal.into(),
-            lit: false,
-            lights: Vec::new(),
+            ..HitRecord::default()
         }
     }
 

@@ -197,14 +197,13 @@ impl Schedule {
     /// The steps of `passes` that run with these decisions.
     pub(super) fn new(passes: &[Pass], decisions: &[Decision]) -> Self {
         let present = |effect| decisions.iter().any(|d| d.effect == effect && d.present);
-        let runs = |pass: &&Pass| pass.is_needed(present);
-        let running: Vec<&Pass> = passes.iter().filter(runs).collect();
-        let is_unconditional = |pass: &&&Pass| pass.needs.is_empty();
-        Self {
-            running: steps(running.iter().copied()),
-            unconditional: steps(running.iter().filter(is_unconditional).copied()),
-            columns: running.iter().flat_map(|p| p.writes).fold(0, |all, &c| all | 1 << c as u16),
+        let mut schedule = Self::default();
+        for pass in passes.iter().filter(|pass| pass.is_needed(present)) {
+            schedule.running |= 1 << pass.step as u16;
+            schedule.unconditional |= u32::from(pass.needs.is_empty()) << pass.step as u16;
+            pass.writes.iter().for_each(|&column| schedule.columns |= 1 << column as u16);
         }
+        schedule
     }
 
     /// Whether the step runs.
@@ -251,10 +250,6 @@ impl Schedule {
     pub fn columns(self) -> impl Iterator<Item = ColumnGroup> {
         ColumnGroup::ALL.into_iter().filter(move |&column| self.has(column))
     }
-}
-
-fn steps<'a>(passes: impl Iterator<Item = &'a Pass>) -> u32 {
-    passes.fold(0, |all, pass| all | 1 << pass.step as u16)
 }
 
 #[cfg(test)]

@@ -45,7 +45,7 @@ struct CrossingRay {
 }
 
 /// A point at which a shadow ray crosses a transparent surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Crossing {
     /// The number of the primitive.
     pub primitive: u32,
@@ -95,11 +95,7 @@ impl PreparedScene {
                     shape: shape as u32,
                     ray: index,
                     distance: f64::from(hit.t) * length,
-                    opacity: 1.0,
-                    color: Vec3::ONE,
-                    cosine: 1.0,
-                    error: 0.0,
-                    inside: false,
+                    ..Crossing::default()
                 }
             }));
             if !hits.is_empty() || self.medium(&media).absorption != Vec3::ZERO {

@@ -60,7 +60,7 @@ pub struct Bounce {
 }
 
 /// A hit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct HitRecord {
     /// The primitive, by its number in the scene.
     pub primitive: u32,

@@ -137,14 +137,6 @@ impl Worker {
         };
         let invalid = tracer.counters().invalid;
         let is_backdrop = backdrop.fills(&tile);
-        let render = |tracer: &mut dyn Tracer, unit: &Unit, sums: &mut [[f64; 3]]| match is_backdrop
-        {
-            true => {
-                backdrop.add(unit, sums);
-                true
-            }
-            false => tracer.render(backdrop.scene, unit, sums, &|| watch.cancelled()),
-        };
         for number in task.blocks.clone() {
             // The loop over tasks has checked before the first block.
             if number > task.blocks.start && watch.cancelled() {
@@ -153,7 +145,9 @@ impl Worker {
             let unit = Unit { tile, samples: tasks.blocks.range(number) };
             let own = if number == first { &mut *sums } else { &mut block[..tile.len()] };
             own.fill([0.0; 3]);
-            if !render(&mut **tracer, &unit, own) {
+            if is_backdrop {
+                backdrop.add(&unit, own);
+            } else if !tracer.render(backdrop.scene, &unit, own, &|| watch.cancelled()) {
                 return;
             }
             if number != first {

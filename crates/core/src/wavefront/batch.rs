@@ -96,14 +96,6 @@ impl Rays {
 }
 
 columns! {
-    /// A hit for each ray. Written by intersect, read by shade.
-    Hits {
-        /// t, infinite for a miss, and the primitive's number; where nothing needs it, t may be more than that of the hit.
-        hit: Vec<Hit>,
-    }
-}
-
-columns! {
     /// The paths of the batch. Written by generate, shade and shadow, read by shade, shadow and resolve.
     Paths {
         /// Radiance gathered so far.
@@ -144,8 +136,9 @@ pub struct Batch {
     pub paths: Paths,
     /// The rays of this bounce.
     pub rays: Rays,
-    /// Their hits.
-    pub hits: Hits,
+    /// Their hits: t, infinite for a miss, and the primitive's number; where nothing needs it, t may be more than that
+    /// of the hit. Written by intersect, read by shade.
+    pub hits: Vec<Hit>,
     /// Their hits that lights may reach.
     pub lit: LitPoints,
     /// The highlight colours of these.
@@ -196,7 +189,7 @@ impl Batch {
             capacity,
             paths: Paths::with_capacity(room(ColumnGroup::Paths)),
             rays: Rays::with_capacity(room(ColumnGroup::Rays)),
-            hits: Hits::with_capacity(room(ColumnGroup::Hits)),
+            hits: Vec::new(),
             lit: LitPoints::with_capacity(room(ColumnGroup::LitPoints)),
             tints: Tints::with_capacity(room(ColumnGroup::Tints)),
             shadows: Rays::with_capacity(room(ColumnGroup::ShadowRays)),
@@ -307,14 +300,15 @@ impl Batch {
 
     /// Measured bytes of its columns.
     pub fn bytes(&self) -> u64 {
-        let Self { capacity: _, paths, rays, hits, lit, tints, shadows, next, .. } = self;
+        let Self { paths, rays, lit, tints, shadows, next, .. } = self;
         let lit = lit.bytes() + tints.bytes();
-        let groups = [paths.bytes(), rays.bytes(), hits.bytes(), lit, shadows.bytes()];
+        let groups = [paths.bytes(), rays.bytes(), lit, shadows.bytes()];
         let differentials = self.differentials.capacity() + self.next_differentials.capacity();
         let states = self.states.capacity() + self.next_states.capacity();
         let lists = differentials * size_of::<Differential>()
             + states * STATE_BYTES
             + self.media.capacity() * size_of::<MediumStack>()
+            + self.hits.capacity() * size_of::<Hit>()
             + self.occluded.capacity()
             + self.crossings.bytes();
         (groups.iter().sum::<usize>() + next.bytes() + lists + self.waiting.bytes()) as u64
@@ -337,7 +331,7 @@ fn row_bytes(group: ColumnGroup) -> usize {
     match group {
         ColumnGroup::Paths => Paths::ROW_BYTES,
         ColumnGroup::Rays | ColumnGroup::NextRays => Rays::ROW_BYTES,
-        ColumnGroup::Hits => Hits::ROW_BYTES,
+        ColumnGroup::Hits => size_of::<Hit>(),
         ColumnGroup::LitPoints => LitPoints::ROW_BYTES,
         ColumnGroup::Tints => Tints::ROW_BYTES,
         ColumnGroup::ShadowRays => Rays::ROW_BYTES + size_of::<bool>(),

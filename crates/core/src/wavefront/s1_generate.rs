@@ -5,7 +5,9 @@ mod order;
 use std::array::from_fn;
 use std::ops::Range;
 
+use super::batch::room;
 use super::{Batch, Wavefront};
+use crate::accel::Hit;
 use crate::kernels::Arithmetic;
 use crate::math::{AnyWidth, LANES, Single, Stream, dispatch_any_width};
 use crate::prepared::PreparedScene;
@@ -19,7 +21,7 @@ impl<P: Arithmetic> Wavefront<P> {
         let Self { seed, batch, counters, .. } = self;
         batch.paths.provide();
         batch.rays.provide();
-        batch.hits.provide();
+        batch.hits.resize(room(batch.capacity()), Hit::default());
         batch.paths.clear();
         batch.rays.clear();
         batch.states.clear();

@@ -8,7 +8,7 @@ impl<P: Arithmetic> Wavefront<P> {
     /// Finds the closest hit of every ray of the batch.
     pub(super) fn intersect(&mut self, scene: &PreparedScene) {
         let Self { batch, traversal, .. } = self;
-        let mut hits = std::mem::take(&mut batch.hits.hit);
+        let mut hits = std::mem::take(&mut batch.hits);
         let answers = &mut hits[..batch.rays.len()];
         scene.accel.search::<P>().closest_of(batch.all_rays(), answers, traversal);
         for (answer, state) in answers.iter_mut().zip(&batch.states) {
@@ -16,6 +16,6 @@ impl<P: Arithmetic> Wavefront<P> {
                 *answer = state.next;
             }
         }
-        batch.hits.hit = hits;
+        batch.hits = hits;
     }
 }

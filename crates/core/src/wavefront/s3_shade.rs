@@ -72,7 +72,7 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
         // The last shape hit: the next hit is likely on it too.
         let (mut last, mut is_plain) = (usize::MAX, true);
         for i in 0..self.own.batch.rays.len() {
-            let primitive = self.own.batch.hits.hit[i].primitive;
+            let primitive = self.own.batch.hits[i].primitive;
             if primitive == NO_PRIMITIVE {
                 self.miss(i);
                 continue;
@@ -140,7 +140,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// Takes the light of a hit that is absorbed on the way from there, and keeps what the ray is inside of.
     fn absorb(&mut self, i: usize) {
         let (ray, media) = (self.own.batch.ray(i), self.state(i).media);
-        let remaining = self.scene.remaining(&ray, &media, self.own.batch.hits.hit[i].t);
+        let remaining = self.scene.remaining(&ray, &media, self.own.batch.hits[i].t);
         let throughput = &mut self.own.batch.rays.throughput;
         throughput.set(i, throughput.get(i) * remaining);
         self.own.batch.set_media(i, media);
@@ -283,7 +283,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     ) -> Vector<F> {
         for lane in set_bits::<LANES>(group.used) {
             let i = group.faces[lane].ray as usize;
-            let (ray, hit) = (self.own.batch.ray(i), self.own.batch.hits.hit[i]);
+            let (ray, hit) = (self.own.batch.ray(i), self.own.batch.hits[i]);
             let (throughput, state) = (throughputs.lane(lane), self.state(i));
             let differential = self.carried_differential(i);
             let incoming = Branch { ray, throughput, state, differential };
@@ -305,7 +305,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         let mut t = F::splat(token, 0.0);
         if P::IS_FAST || kind == ShadingKind::Quadrics || self.needs_t {
             for (lane, &ray) in rays.iter().enumerate().take(F::LANES) {
-                t.set_lane(lane, self.own.batch.hits.hit[ray as usize].t);
+                t.set_lane(lane, self.own.batch.hits[ray as usize].t);
             }
         }
         t
