@@ -210,18 +210,13 @@ impl<P: Arithmetic> Recursive<P> {
                     } else if state.bounces >= bounces {
                         PathEnd::LastBounce
                     } else {
-                        if let Some((next, throughput)) = mirror_ray(point, throughput) {
+                        if let Some((mirrored, throughput)) = mirror_ray(point, throughput) {
                             let differential = scene.carries_differentials().then(|| {
                                 let found = &mut self.counters.samples;
                                 scene.turned(at.differential, (&ray, &hit), point, None, found)
                             });
-                            let state = state.mirrored();
-                            self.waiting.push(Branch {
-                                ray: next,
-                                throughput,
-                                state,
-                                differential,
-                            });
+                            let (ray, state) = (mirrored, state.mirrored());
+                            self.waiting.push(Branch { ray, throughput, state, differential });
                         }
                         PathEnd::NoMirror
                     }

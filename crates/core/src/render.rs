@@ -164,7 +164,7 @@ pub fn tile_edge(scene: &PreparedScene, batch: usize) -> u32 {
 /// tile's block.
 fn batch_size(scene: &PreparedScene, batch: usize) -> usize {
     let edge = u64::from(tile_edge(scene, batch));
-    let samples = Blocks::new(scene.camera.rays_per_pixel()).longest();
+    let samples = Blocks::new(scene.camera.rays_per_pixel()).longest;
     let paths = edge * edge * u64::from(samples);
     paths.min(batch as u64) as usize
 }

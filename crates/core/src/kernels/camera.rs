@@ -174,34 +174,25 @@ impl Camera {
     /// the seed.
     #[inline(always)]
     pub fn rays<F: Single>(&self, [x, y]: [F; 2], stream: Stream, streams: [&[u32]; 2]) -> Line<F> {
-        let [across, down] = self.points_in_pixel(x.token(), stream, streams);
+        let (token, n) = (x.token(), self.antialias);
+        let mut within = [F::splat(token, 0.5); 2];
+        if n != 1 {
+            let draw = Draw { dimension: DIMENSION, first: 0, scramble: DIMENSION, grid: [n, n] };
+            let index = |sample| (divide(sample, self.lens_points()).0, sample);
+            within = self.sampling.points(token, stream, streams, draw, index);
+        }
+        let [across, down] = within;
         let direction = self.directions(x + across, y + down);
         match &self.lens {
-            None => Line { origin: Vector::splat(x.token(), self.origin), direction },
+            None => Line { origin: Vector::splat(token, self.origin), direction },
             Some(lens) => {
                 let (dimension, scramble) = (DIMENSION, LENS_DIMENSION);
                 let draw = Draw { dimension, first: 2, scramble, grid: lens.grid };
                 let index = |sample| (divide(sample, self.lens_points()).1, sample);
-                let square = lens.sampling.points(x.token(), stream, streams, draw, index);
+                let square = lens.sampling.points(token, stream, streams, draw, index);
                 self.through_lens(lens, direction, square)
             }
         }
-    }
-
-    #[inline(always)]
-    fn points_in_pixel<F: Single>(
-        &self,
-        token: F::Token,
-        stream: Stream,
-        streams: [&[u32]; 2],
-    ) -> [F; 2] {
-        let n = self.antialias;
-        if n == 1 {
-            return [F::splat(token, 0.5); 2];
-        }
-        let draw = Draw { dimension: DIMENSION, first: 0, scramble: DIMENSION, grid: [n, n] };
-        let index = |sample| (divide(sample, self.lens_points()).0, sample);
-        self.sampling.points(token, stream, streams, draw, index)
     }
 
     /// The unit directions through the image positions (`x`, `y`) in pixels.

@@ -97,18 +97,13 @@ pub struct Triangles {
 impl Triangles {
     /// The triangles with these corners, or `None` if they have no area.
     pub fn new(corners: Vec<[Vec3; 3]>) -> Option<Self> {
-        let areas = corners.iter().map(|[a, b, c]| {
-            let (ab, ac) = ((b - a).as_dvec3(), (c - a).as_dvec3());
-            let cross = ab.cross(ac);
-            0.5 * dot_f64(cross, cross).sqrt()
-        });
-        let sums: Vec<f64> = areas
-            .scan(0.0, |sum, area| {
-                *sum += area;
-                Some(*sum)
-            })
-            .collect();
-        let total = *sums.last()?;
+        let mut total = 0.0;
+        let up_to = |[a, b, c]: &[Vec3; 3]| {
+            let cross = (b - a).as_dvec3().cross((c - a).as_dvec3());
+            total += 0.5 * dot_f64(cross, cross).sqrt();
+            total
+        };
+        let sums: Vec<f64> = corners.iter().map(up_to).collect();
         let cumulative = sums.iter().map(|sum| (sum / total) as f32).collect();
         let normals = corners.iter().map(|c| triangle::normal(c).as_vec3()).collect();
         (total > 0.0 && total.is_finite()).then_some(Self { corners, normals, cumulative })

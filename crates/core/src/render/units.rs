@@ -20,7 +20,8 @@ const MOST_BLOCKS: u32 = 64;
 pub struct Blocks {
     /// The number of samples of the pixel.
     pub samples: u32,
-    length: u32,
+    /// The number of samples in the longest block.
+    pub longest: u32,
 }
 
 impl Blocks {
@@ -28,23 +29,18 @@ impl Blocks {
     pub fn new(samples: u32) -> Self {
         let samples = samples.max(1);
         let count = (samples / LEAST_SAMPLES).clamp(1, MOST_BLOCKS);
-        Self { samples, length: samples.div_ceil(count) }
+        Self { samples, longest: samples.div_ceil(count) }
     }
 
     /// The number of blocks, 1 to 64.
     pub fn count(&self) -> u32 {
-        self.samples.div_ceil(self.length)
-    }
-
-    /// The number of samples in the longest block.
-    pub fn longest(&self) -> u32 {
-        self.length
+        self.samples.div_ceil(self.longest)
     }
 
     /// The samples of a block, by number.
     pub fn range(&self, block: u32) -> Range<u32> {
-        let start = (block * self.length).min(self.samples);
-        start..(start + self.length).min(self.samples)
+        let start = (block * self.longest).min(self.samples);
+        start..(start + self.longest).min(self.samples)
     }
 }
 
@@ -151,12 +147,12 @@ mod tests {
             for block in 0..blocks.count() {
                 let range = blocks.range(block);
                 assert_eq!(range.start, next);
-                assert!(!range.is_empty() && range.len() as u32 <= blocks.longest());
+                assert!(!range.is_empty() && range.len() as u32 <= blocks.longest);
                 next = range.end;
             }
             assert_eq!(next, samples);
             assert!(blocks.count() <= MOST_BLOCKS);
-            assert!(blocks.count() == 1 || blocks.longest() >= LEAST_SAMPLES);
+            assert!(blocks.count() == 1 || blocks.longest >= LEAST_SAMPLES);
         }
         assert_eq!([1, 511, 512, 1 << 24].map(|n| Blocks::new(n).count()), [1, 1, 2, 64]);
     }
