@@ -23,7 +23,7 @@ pub use group::{Face, Group};
 pub use interaction::{Interaction, surface};
 pub use media::{MediumStack, Solid};
 pub use resample::{Original, Samples};
-pub use shadow_crossings::{Crossing, ShadowCrossings};
+pub use shadow_crossings::ShadowCrossings;
 pub use transmission::{Branch, MOST_RAYS, PathState};
 
 use crate::accel::Accel;

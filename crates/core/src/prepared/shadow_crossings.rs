@@ -46,26 +46,26 @@ struct CrossingRay {
 
 /// A point at which a shadow ray crosses a transparent surface.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Crossing {
+struct Crossing {
     /// The number of the primitive.
-    pub primitive: u32,
+    primitive: u32,
     /// Its shape's index in [`Appearance::shapes`](super::Appearance::shapes).
-    pub shape: u32,
+    shape: u32,
     /// The ray's index in the list.
     ray: u32,
     /// The distance along the ray, in scene units: that of a hit, which is rounded to single precision.
-    pub distance: f64,
+    distance: f64,
     /// Opacity.
-    pub opacity: f32,
+    opacity: f32,
     /// Base colour, if that tints refracted light; else white.
-    pub color: Vec3,
+    color: Vec3,
     /// The cosine of the angle between the normal and the way back along the ray.
-    pub cosine: f32,
+    cosine: f32,
     /// Bound on the distance of the point to the exact surface, in scene units: the sum over its
     /// coordinates.
-    pub error: f32,
+    error: f32,
     /// Whether the ray comes from behind.
-    pub inside: bool,
+    inside: bool,
 }
 
 impl PreparedScene {

@@ -20,7 +20,8 @@ use crate::wavefront::faces::SortedHits;
 use columns::Column;
 
 pub use branches::BranchStacks;
-pub use columns::{Vectors, room};
+pub use columns::Vectors;
+pub(super) use columns::room;
 pub use lit::{LitPoints, Tints};
 
 columns! {

@@ -73,7 +73,7 @@ macro_rules! columns {
 }
 
 /// Allocated rows for a `capacity`. If no row is ever written, neither is a vector.
-pub const fn room(capacity: usize) -> usize {
+pub(in crate::wavefront) const fn room(capacity: usize) -> usize {
     if capacity == 0 { 0 } else { capacity + LANES }
 }
 
