@@ -35,14 +35,14 @@ impl<P: Arithmetic> Wavefront<P> {
                 && (bounce < scene.bounces || schedule.has_transmission()),
             transmits: schedule.has_transmission(),
             needs_t: scene.needs_t(),
-            own: self,
+            tracer: self,
         };
         dispatch_any_width(scene.accel.level, shade);
     }
 }
 
 struct Shade<'a, P> {
-    own: &'a mut Wavefront<P>,
+    tracer: &'a mut Wavefront<P>,
     scene: &'a PreparedScene,
     bounce: u32,
     /// Whether rays from surfaces have differentials.
@@ -68,11 +68,11 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
         let mut groups = [Group::<F>::default(); GROUPS];
         let block = GROUPS * F::LANES;
         let mut waiting = ShadingKind::ALL.map(|_| Vec::with_capacity(block));
-        let mut sorted = std::mem::take(&mut self.own.batch.sorted);
+        let mut sorted = std::mem::take(&mut self.tracer.batch.sorted);
         // The last shape hit: the next hit is likely on it too.
         let (mut last, mut is_plain) = (usize::MAX, true);
-        for i in 0..self.own.batch.rays.len() {
-            let primitive = self.own.batch.hits[i].primitive;
+        for i in 0..self.tracer.batch.rays.len() {
+            let primitive = self.tracer.batch.hits[i].primitive;
             if primitive == NO_PRIMITIVE {
                 self.miss(i);
                 continue;
@@ -108,7 +108,7 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
             self.block(token, &mut groups, waiting, kind);
         }
         self.spans(token, &mut groups, &mut sorted);
-        self.own.batch.sorted = sorted;
+        self.tracer.batch.sorted = sorted;
     }
 }
 
@@ -116,7 +116,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
         let state = self.state(i);
-        if let Some(color) = self.scene.escaped(self.own.batch.rays.direction.get(i), &state) {
+        if let Some(color) = self.scene.escaped(self.tracer.batch.rays.direction.get(i), &state) {
             self.light(i, color);
         }
     }
@@ -125,12 +125,12 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn state(&self, i: usize) -> PathState {
         match self.transmits {
-            true if self.bounce > 0 => self.own.batch.states[i],
+            true if self.bounce > 0 => self.tracer.batch.states[i],
             _ => PathState {
                 bounces: self.bounce,
                 mirrored: self.bounce > 0,
                 turned: self.bounce > 0,
-                media: self.own.start,
+                media: self.tracer.start,
                 faint: false,
                 next: Hit::MISS,
             },
@@ -139,18 +139,19 @@ impl<P: Arithmetic> Shade<'_, P> {
 
     /// Takes the light of a hit that is absorbed on the way from there, and keeps what the ray is inside of.
     fn absorb(&mut self, i: usize) {
-        let (ray, media) = (self.own.batch.ray(i), self.state(i).media);
-        let remaining = self.scene.remaining(&ray, &media, self.own.batch.hits[i].t);
-        let throughput = &mut self.own.batch.rays.throughput;
+        let (ray, media) = (self.tracer.batch.ray(i), self.state(i).media);
+        let remaining = self.scene.remaining(&ray, &media, self.tracer.batch.hits[i].t);
+        let throughput = &mut self.tracer.batch.rays.throughput;
         throughput.set(i, throughput.get(i) * remaining);
-        self.own.batch.set_media(i, media);
+        self.tracer.batch.set_media(i, media);
     }
 
     #[inline(always)]
     fn light(&mut self, i: usize, color: Vec3) {
-        let path = self.own.batch.rays.path[i] as usize;
-        let weight = self.scene.shown(&self.state(i), self.own.batch.rays.throughput.get(i), color);
-        self.own.batch.paths.radiance.add(path, weight * color);
+        let path = self.tracer.batch.rays.path[i] as usize;
+        let weight =
+            self.scene.shown(&self.state(i), self.tracer.batch.rays.throughput.get(i), color);
+        self.tracer.batch.paths.radiance.add(path, weight * color);
     }
 
     /// Shades hits, those of each class together: a pass of its own for the clock.
@@ -163,13 +164,13 @@ impl<P: Arithmetic> Shade<'_, P> {
         if sorted.is_empty() {
             return;
         }
-        self.own.clock.lap(TimedPass::Shade);
+        self.tracer.clock.lap(TimedPass::Shade);
         for (kind, faces) in sorted.sort() {
             for faces in faces.chunks(GROUPS * F::LANES) {
                 self.block(token, groups, faces, kind);
             }
         }
-        self.own.clock.lap(TimedPass::Maps);
+        self.tracer.clock.lap(TimedPass::Maps);
     }
 
     /// Shades up to a block of hits of one kind.
@@ -187,9 +188,9 @@ impl<P: Arithmetic> Shade<'_, P> {
             token,
             #[inline(always)]
             || {
-                let rays = &self.own.batch.rays;
+                let rays = &self.tracer.batch.rays;
                 let ray = |i| rays.ray(i);
-                let with_corners = self.own.needs_points;
+                let with_corners = self.tracer.needs_points;
                 for group in faces::fetch(groups, faces, with_corners, self.scene, ray) {
                     self.group(token, group, kind);
                 }
@@ -200,13 +201,13 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// Shades hits on surfaces of one kind.
     #[inline(always)]
     fn group<F: Single>(&mut self, token: F::Token, group: &Group<F>, kind: ShadingKind) {
-        let rays = &self.own.batch.rays;
+        let rays = &self.tracer.batch.rays;
         let numbers = group.faces.map(|face| face.ray);
         let throughput = fetch(token, &rays.throughput, &numbers);
         let path = numbers.map(|ray| rays.path[ray as usize]);
         let class = group.class(&self.scene.appearance);
-        group.count(class, &mut self.own.counters.samples);
-        if !self.own.needs_points {
+        group.count(class, &mut self.tracer.counters.samples);
+        if !self.tracer.needs_points {
             let light = group.colors(token).scale(F::splat(token, self.scene.ambient));
             self.add(group.used, &path, throughput * light);
             return;
@@ -223,7 +224,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             None => throughput,
             Some(through) => self.scatter(group, through, (&point, throughput), &mut look_ups),
         };
-        self.own.counters.samples += look_ups;
+        self.tracer.counters.samples += look_ups;
         let [mut own, mut direct] = [throughput; 2];
         if self.transmits && scene.visible.has_faint() {
             for lane in set_bits::<LANES>(group.used) {
@@ -238,24 +239,24 @@ impl<P: Arithmetic> Shade<'_, P> {
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
         self.add(group.used, &path, own * local);
         if self.shadows && point.lit.any() {
-            self.own.batch.lit.provide();
-            self.own.batch.lit.push_lanes(&point, direct, &path);
+            self.tracer.batch.lit.provide();
+            self.tracer.batch.lit.push_lanes(&point, direct, &path);
             if self.tints {
-                self.own.batch.tints.provide();
-                self.own.batch.tints.push_lanes(&point);
+                self.tracer.batch.tints.provide();
+                self.tracer.batch.tints.push_lanes(&point);
             }
         }
         if self.mirrors
             && scattering.is_none()
             && let Some(mut next) = mirror_request(&point, throughput)
         {
-            self.own.batch.next.provide();
+            self.tracer.batch.next.provide();
             if self.transmits {
                 next.asked =
                     next.asked & F::mask(token, self.mirror_states(&numbers, next.asked.bits()));
             }
             let MirrorRequest { line, throughput, asked } = next;
-            self.own.batch.next.push_lanes(&line, throughput, asked, &path);
+            self.tracer.batch.next.push_lanes(&line, throughput, asked, &path);
             if self.differentials {
                 let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
                 let mirrored = F::outlined(
@@ -264,9 +265,9 @@ impl<P: Arithmetic> Shade<'_, P> {
                     || group.mirrored(scene, hits, &carried, &point),
                 );
                 let asked = asked.bits();
-                self.own.counters.samples.footprints += u64::from(asked.count_ones());
+                self.tracer.counters.samples.footprints += u64::from(asked.count_ones());
                 set_bits::<LANES>(asked)
-                    .for_each(|lane| self.own.batch.push_differential(mirrored.lane(lane)));
+                    .for_each(|lane| self.tracer.batch.push_differential(mirrored.lane(lane)));
             }
         }
     }
@@ -283,18 +284,18 @@ impl<P: Arithmetic> Shade<'_, P> {
     ) -> Vector<F> {
         for lane in set_bits::<LANES>(group.used) {
             let i = group.faces[lane].ray as usize;
-            let (ray, hit) = (self.own.batch.ray(i), self.own.batch.hits[i]);
+            let (ray, hit) = (self.tracer.batch.ray(i), self.tracer.batch.hits[i]);
             let (throughput, state) = (throughputs.lane(lane), self.state(i));
             let differential = self.carried_differential(i);
             let incoming = Branch { ray, throughput, state, differential };
             let point = points.lane(lane);
-            let memory = (&mut self.own.traversal, &mut *look_ups);
+            let memory = (&mut self.tracer.traversal, &mut *look_ups);
             let (own, branches) =
                 self.scene.scatter::<P>(&incoming, &hit, transparency, &point, memory);
             throughputs.set_lane(lane, own);
-            let path = self.own.batch.rays.path[i];
+            let path = self.tracer.batch.rays.path[i];
             let branches = branches.into_iter().rev().flatten();
-            branches.for_each(|branch| self.own.batch.waiting.push(path, branch));
+            branches.for_each(|branch| self.tracer.batch.waiting.push(path, branch));
         }
         throughputs
     }
@@ -305,7 +306,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         let mut t = F::splat(token, 0.0);
         if P::IS_FAST || kind == ShadingKind::Quadrics || self.needs_t {
             for (lane, &ray) in rays.iter().enumerate().take(F::LANES) {
-                t.set_lane(lane, self.own.batch.hits[ray as usize].t);
+                t.set_lane(lane, self.tracer.batch.hits[ray as usize].t);
             }
         }
         t
@@ -314,7 +315,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// Adds light to the paths of the used lanes.
     #[inline(always)]
     fn add<F: Single>(&mut self, used: u32, path: &[u32; LANES], light: Vector<F>) {
-        let radiance = &mut self.own.batch.paths.radiance;
+        let radiance = &mut self.tracer.batch.paths.radiance;
         if used == u32::MAX >> (32 - F::LANES) && is_row::<F>(path) {
             let first = path[0] as usize;
             radiance.store(first, radiance.load(light.x.token(), first) + light);
@@ -333,7 +334,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             if state.bounces >= self.scene.bounces {
                 return kept;
             }
-            self.own.batch.push_state(state.mirrored(), 0.0);
+            self.tracer.batch.push_state(state.mirrored(), 0.0);
             kept | 1 << lane
         })
     }
@@ -341,7 +342,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// The differential of the ray with that number, unless it is a camera ray.
     #[inline(always)]
     fn carried_differential(&self, ray: usize) -> Option<Differential> {
-        (self.bounce > 0 && self.differentials).then(|| self.own.batch.differentials[ray])
+        (self.bounce > 0 && self.differentials).then(|| self.tracer.batch.differentials[ray])
     }
 }
 
