@@ -18,8 +18,7 @@ pub(crate) fn triangles(geometry: &Geometry) -> Option<Vec<Numbered>> {
     let triangles = (0..).zip((0..count).map(|i| geometry.triangle(i)));
     let quads = (count as u32..).zip((0..geometry.quads.len()).map(|i| halves(&geometry.quad(i))));
     let quads = quads.flat_map(|(number, halves)| halves.map(|half| (number, half)));
-    let has_others =
-        geometry.len() != count + geometry.quads.len() || geometry.cutouts.iter().count() > 0;
+    let has_others = geometry.len() != count + geometry.quads.len() || !geometry.cutouts.is_empty();
     (!has_others).then(|| triangles.chain(quads).collect())
 }
 
