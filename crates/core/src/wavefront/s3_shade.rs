@@ -1,6 +1,6 @@
 //! Pass 3: adds the light of every hit and collects its requests.
 //!
-//! Misses and lights are handled at once; other hits wait in [`faces`](super::faces) and are shaded together: hits
+//! Misses and lights are handled at once; other hits wait in [`faces`] and are shaded together: hits
 //! on plain classes by the kind of primitive, others by class and kind. So nothing branches by hit.
 
 use glam::Vec3;
