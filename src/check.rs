@@ -14,7 +14,9 @@ use wavecrest_core::counters::PrimitiveCounts;
 use wavecrest_core::kernels::light::Light;
 use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_scene::systems::{bounds, looks};
+use wavecrest_scene::components::Ground;
+use wavecrest_scene::hecs::Entity;
+use wavecrest_scene::systems::bounds;
 
 /// Check a scene with all its meshes and textures, and list its contents.
 #[derive(Clone, Debug, clap::Args)]
@@ -34,9 +36,9 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
         let mut loaded = args.scene_options.load(&args.scene, None, &[])?;
         // The contents are those of the file.
-        if let Some(ground) = looks::ground(&loaded.world) {
-            let _ = loaded.world.despawn(ground);
-        }
+        let grounds = loaded.world.query_mut::<(Entity, &Ground)>().into_iter();
+        let ground = grounds.map(|(entity, _)| entity).next();
+        let _ = ground.map(|ground| loaded.world.despawn(ground));
         let files = [std::slice::from_ref(&args.scene), &loaded.files].concat();
         // Every file is read, whether or not the image needs it.
         let shown = Shown { all: true, ..Shown::default() };

@@ -1,16 +1,19 @@
 //! What the compiler does not check of the architecture, read from the sources themselves.
 //!
-//! Crates can only import downwards. Within the tracing core the table of arrows says the same of its modules; it
-//! is tight: an import that is not listed fails, and so does a listed one that is not made. Test modules may
-//! import anything.
+//! Crates can only import downwards. Within the tracing core and the crate of scenes a table of arrows says the same of
+//! their modules; it is tight: an import that is not listed fails, and so does a listed one that is not made. Test
+//! modules may import anything.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::support::repository;
 
-/// Each module of the tracing core, bottom to top, and the modules that it imports.
-const ARROWS: [(&str, &str); 13] = [
+/// A module, and the modules of its crate that it imports.
+type Arrows = (&'static str, &'static str);
+
+/// The modules of the tracing core, bottom to top.
+const OF_CORE: [Arrows; 13] = [
     ("math", ""),
     ("plan", ""),
     ("film", ""),
@@ -26,8 +29,43 @@ const ARROWS: [(&str, &str); 13] = [
     ("render", "counters film kernels prepared recursive tile wavefront"),
 ];
 
-/// The sources of the tracing core.
+/// The modules of the crate of scenes, bottom to top.
+const OF_SCENE: [Arrows; 22] = [
+    ("corners", ""),
+    ("folder", ""),
+    ("texture_source", ""),
+    ("mesh", "corners"),
+    ("format", "folder texture_source"),
+    ("options", "format"),
+    ("camera", "corners format options"),
+    ("surface", "folder format texture_source"),
+    ("image_file", "surface texture_source"),
+    ("environment", "format surface"),
+    ("shapes", "corners format mesh surface"),
+    ("lights", "camera format shapes"),
+    ("components", "camera environment lights mesh shapes surface texture_source"),
+    ("query", "components"),
+    ("mtl", "components format surface"),
+    ("scene_file", "camera components environment format lights options query shapes surface"),
+    ("systems", "components corners image_file mesh query surface"),
+    ("staging", "camera components corners mesh mtl options query scene_file systems"),
+    (
+        "gltf",
+        "components corners folder format image_file mesh options scene_file staging surface systems",
+    ),
+    (
+        "load",
+        "camera components folder format gltf image_file mesh mtl options query scene_file shapes staging \
+         surface systems",
+    ),
+    ("write", "components folder format load mesh query scene_file"),
+    ("generate", "mesh write"),
+];
+
+/// The sources of the tracing core, and those of the crate of scenes.
 const CORE: &str = "crates/core/src";
+const SCENE: &str = "crates/scene/src";
+const CRATES: [(&str, &[Arrows]); 2] = [(CORE, &OF_CORE), (SCENE, &OF_SCENE)];
 
 /// The files with `unsafe` code: unchecked reads of the tree, the memory that threads append its
 /// parts to, and the allocator of the command.
@@ -63,18 +101,14 @@ impl Source {
         Self { module: names[0].clone(), depth: names.len(), path, text, code }
     }
 
-    fn is_of_core(&self) -> bool {
-        self.path.starts_with(CORE)
-    }
-
-    /// The modules at the top that it names: through `crate`, or through as many `super`s.
-    fn imports(&self) -> BTreeSet<String> {
+    /// The modules with `arrows` that it names: through `crate`, or through as many `super`s.
+    fn imports(&self, arrows: &[Arrows]) -> BTreeSet<String> {
         let upward = "super::".repeat(self.depth);
         let mut found = after(&self.code, "crate::");
         found.extend(after(&self.code, &upward));
         found.remove(&self.module);
         // A macro's or a function's own `super::super` within a shallower file is no arrow.
-        found.retain(|name| ARROWS.iter().any(|(module, _)| module == name) || name == "{");
+        found.retain(|name| arrows.iter().any(|(module, _)| module == name) || name == "{");
         found
     }
 }
@@ -121,31 +155,38 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     files.sort();
 }
 
+/// The sources of a crate.
+fn sources_of(folder: &str) -> impl Iterator<Item = Source> {
+    sources().into_iter().filter(move |source| source.path.starts_with(folder))
+}
+
 /// What each module imports, and from which file.
-fn arrows_found() -> BTreeMap<(String, String), PathBuf> {
-    let mut arrows = BTreeMap::new();
-    for source in sources().into_iter().filter(Source::is_of_core) {
-        for import in source.imports() {
-            arrows.entry((source.module.clone(), import)).or_insert(source.path.clone());
+fn arrows_found(folder: &str, arrows: &[Arrows]) -> BTreeMap<(String, String), PathBuf> {
+    let mut found = BTreeMap::new();
+    for source in sources_of(folder) {
+        for import in source.imports(arrows) {
+            found.entry((source.module.clone(), import)).or_insert(source.path.clone());
         }
     }
-    arrows
+    found
 }
 
 #[test]
-fn modules_import_what_the_table_allows_and_nothing_else() {
-    let found = arrows_found();
+fn modules_import_what_the_tables_allow_and_nothing_else() {
     let mut wrong = Vec::new();
-    for ((module, import), file) in &found {
-        let allowed = ARROWS.iter().find(|(name, _)| name == module).map(|(_, allowed)| *allowed);
-        if !allowed.is_some_and(|allowed| allowed.split(' ').any(|name| name == import)) {
-            wrong.push(format!("{} imports {import}, which {module} may not", file.display()));
+    for (folder, arrows) in CRATES {
+        let found = arrows_found(folder, arrows);
+        for ((module, import), file) in &found {
+            let allowed = arrows.iter().find(|(name, _)| name == module);
+            if !allowed.is_some_and(|(_, allowed)| allowed.split(' ').any(|name| name == import)) {
+                wrong.push(format!("{} imports {import}, which {module} may not", file.display()));
+            }
         }
-    }
-    for (module, allowed) in ARROWS {
-        for import in allowed.split_whitespace() {
-            if !found.contains_key(&((*module).to_owned(), import.to_owned())) {
-                wrong.push(format!("{module} may import {import} but does not: drop it here"));
+        for (module, allowed) in arrows {
+            for import in allowed.split_whitespace() {
+                if !found.contains_key(&((*module).to_owned(), import.to_owned())) {
+                    wrong.push(format!("{module} may import {import} but does not: drop it here"));
+                }
             }
         }
     }
@@ -154,20 +195,23 @@ fn modules_import_what_the_table_allows_and_nothing_else() {
 
 #[test]
 fn the_arrows_point_downward() {
-    let height = |name: &str| ARROWS.iter().position(|(module, _)| *module == name);
-    for (module, imports) in ARROWS {
-        for import in imports.split_whitespace() {
-            assert!(height(import) < height(module), "{module} imports {import}");
+    for (_, arrows) in CRATES {
+        let height = |name: &str| arrows.iter().position(|(module, _)| *module == name);
+        for (module, imports) in arrows {
+            for import in imports.split_whitespace() {
+                assert!(height(import) < height(module), "{module} imports {import}");
+            }
         }
     }
 }
 
 #[test]
-fn every_module_is_in_the_table() {
-    let core = sources().into_iter().filter(Source::is_of_core);
-    let modules: BTreeSet<String> = core.map(|source| source.module).collect();
-    let listed: BTreeSet<String> = ARROWS.iter().map(|(name, _)| (*name).to_owned()).collect();
-    assert_eq!(modules, listed);
+fn every_module_is_in_a_table() {
+    for (folder, arrows) in CRATES {
+        let modules: BTreeSet<String> = sources_of(folder).map(|source| source.module).collect();
+        let listed: BTreeSet<String> = arrows.iter().map(|(name, _)| (*name).to_owned()).collect();
+        assert_eq!(modules, listed);
+    }
 }
 
 #[test]
@@ -184,7 +228,7 @@ fn three_files_have_unsafe_code() {
 }
 
 /// Where numbers decide what is hit and what is seen.
-const NUMERIC: &[&str] = &[CORE, "crates/scene/src"];
+const NUMERIC: &[&str] = &[CORE, SCENE];
 
 /// The numbers written with digits in a line of code.
 fn literals(line: &str) -> Vec<f64> {

@@ -91,6 +91,8 @@ pub struct Appearance {
     pub paths: Vec<String>,
     /// The names of shapes.
     pub names: Vec<Option<String>>,
+    /// The index in `shapes` of a ground that is no part of the file.
+    pub ground: Option<usize>,
     /// The images that may be visible, each once.
     pub images: Vec<LazyImage>,
     /// The images of cut-outs, which decide hits.

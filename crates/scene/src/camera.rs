@@ -113,16 +113,16 @@ impl View {
         u64::from(self.antialias).pow(2).saturating_mul(on_lens)
     }
 
+    /// A pinhole with this view at a frame.
+    pub(crate) fn key(&self, frame: u32) -> CameraKey {
+        let &Self { location, look, up, fov_degrees, .. } = self;
+        CameraKey { frame, location, look, up, fov_degrees, focal: 1.0 }
+    }
+
     /// Where it is, for its angles.
     pub fn placement(&self) -> Placement {
-        Placement {
-            location: self.location,
-            look: self.look,
-            up: self.up,
-            fov_degrees: self.fov_degrees,
-            fov_axis: self.fov_axis,
-            size: [self.width, self.height],
-        }
+        let &Self { location, look, up, fov_degrees, fov_axis, width, height, .. } = self;
+        Placement { location, look, up, fov_degrees, fov_axis, size: [width, height] }
     }
 }
 
@@ -229,28 +229,23 @@ impl<const LENS: bool> Moving<LENS> {
         let Some(cursor) = object.get("path") else { return Ok(()) };
         // Its errors are recorded already.
         let Some(view) = entity.get::<&View>().copied() else { return Ok(()) };
-        let View { location, look, up, fov_degrees, .. } = view;
         let focal = entity.get::<&ThinLens>().map_or(1.0, |lens| lens.focal);
-        let usual = CameraKey { frame: 0, location, look, up, fov_degrees, focal };
+        let usual = CameraKey { focal, ..view.key(0) };
         let object = cursor.object(Self::MOTION)?;
         let what = "an array of keys, at least one";
-        let list = object.need("keys", what)?;
-        let mut keys: Vec<CameraKey> = Vec::new();
-        for item in list.items(list.array(what)?) {
+        let mut last = None;
+        let keys = object.need("keys", what)?.each_of(1.., what, |item| {
             let key = CameraKey::fields(&item.object(Self::FRAME)?, Some(&usual));
             if key.look == key.location {
                 let error = item.error("the camera looks at its own location");
                 return Err(error.remedy("move \"look\" away from \"location\""));
             }
-            if keys.last().is_some_and(|last| last.frame >= key.frame) {
+            if last.replace(key.frame).is_some_and(|last| last >= key.frame) {
                 let error = item.error("the frame must be greater than the one before");
                 return Err(error.remedy("sort the keys by frame"));
             }
-            keys.push(key);
-        }
-        if keys.is_empty() {
-            return Err(list.error(format!("must be {what}")));
-        }
+            Ok(key)
+        })?;
         entity.add(CameraPath { keys, interpolation: object.read("interpolation") });
         Ok(())
     }

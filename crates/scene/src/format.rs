@@ -23,7 +23,7 @@ mod writer;
 pub(crate) use cursor::{Cursor, Place, Range, integer_words};
 pub(crate) use declared::{Declared, component, declared};
 pub(crate) use field::{Field, Word, words};
-pub use json_schema::json_schema;
+pub(crate) use json_schema::json_schema;
 pub(crate) use keys::{Absent, Declaration, Key, Kind, Object, Takes, Variants, keys, word};
 pub(crate) use notes::Notes;
 pub(crate) use writer::{Beside, Writer};

@@ -22,7 +22,7 @@ mod tests;
 
 use rayon::prelude::*;
 
-use crate::mesh::{Attribute, MeshData};
+use crate::mesh::MeshData;
 use wavecrest_base::error::Result;
 
 pub use ply::{Written, write_ply};
@@ -36,10 +36,8 @@ pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
     let surface = recipe.surface()?;
     let positions = each(surface.vertices(), |v| surface.position(v).as_vec3());
     let triangles = each(recipe.grid_triangles(), |t| surface.triangle(t));
-    let normals = recipe.normals.then(|| Attribute {
-        values: each(surface.vertices(), |v| surface.normal(v).as_vec3()),
-        indices: None,
-    });
+    let normals = || each(surface.vertices(), |v| surface.normal(v).as_vec3()).into();
+    let normals = recipe.normals.then(normals);
     Ok(MeshData { positions, triangles, normals, ..MeshData::default() })
 }
 

@@ -2,12 +2,12 @@
 //! checked.
 
 use std::io::Read as _;
-use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageError};
 
-use crate::components::{Channels, Encoding, TextureRef, TextureSource};
+use crate::surface::{Channels, Encoding, TextureRef};
+use crate::texture_source::TextureSource;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::memory::Activity;
 use wavecrest_core::kernels::texture::{Image, Texels};
@@ -22,20 +22,6 @@ pub(crate) fn content(source: &TextureSource) -> Vec<u8> {
     let mut bytes = Vec::new();
     let read = source.open().and_then(|mut content| content.read_to_end(&mut bytes));
     read.map_or(Vec::new(), |_| bytes)
-}
-
-/// Whether the image has an alpha channel; if its header cannot be read, which is reported when the
-/// scene is prepared, it may have one.
-pub(crate) fn has_alpha(source: &TextureSource) -> bool {
-    Head::of(source).map_or(true, |head| head.has_alpha)
-}
-
-/// Checks that the image at `path` can be decoded, as far as its header tells.
-///
-/// # Errors
-/// If it cannot be read, or has no known format.
-pub(crate) fn check(path: &Path) -> Result<()> {
-    decoding(&TextureSource::File(path.to_owned()), |_, _| Ok(()))
 }
 
 /// Properties of an image from its header.

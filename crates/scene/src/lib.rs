@@ -25,11 +25,12 @@ mod shapes;
 mod staging;
 mod surface;
 pub mod systems;
+mod texture_source;
 pub mod write;
 
-pub use format::json_schema;
 /// The crate of the world.
 pub use hecs;
+pub use scene_file::json_schema;
 
 #[cfg(test)]
 mod tests;

@@ -1,31 +1,25 @@
 //! Lights: the kinds of lights, and what they share.
 //!
-//! Each kind is a file with its component and its keys, and its system, but that spots are point lights, whose system is
-//! theirs: [`SYSTEMS`] lists them. What a light adds at a point is in [`wavecrest_core::kernels::light`].
+//! Each kind is a file with its component and its keys. What a light adds at a point is in
+//! [`wavecrest_core::kernels::light`].
 
 mod area;
 mod directional;
 mod point;
-pub(crate) mod sky;
+mod sky;
 mod spot;
 
-use glam::{DVec3, Vec3};
-use hecs::{Entity, World};
+use glam::DVec3;
 
-use crate::components::{Falloff, Sampling};
+use crate::camera::Sampling;
 use crate::format::{Object, Variants};
-use crate::systems::bounds;
-use crate::systems::frame::Frame;
 use wavecrest_base::error::{ErrorKind, Result};
-use wavecrest_core::geometry::Geometry;
-use wavecrest_core::kernels::light::{Emitter, Light};
 
 pub use area::AreaLight;
-pub(crate) use area::ShapeEmitter;
 pub use directional::DirectionalLight;
 pub use point::PointLight;
+pub(crate) use sky::SKY;
 pub use sky::Sky;
-pub(crate) use sky::{SKY, hemisphere};
 pub use spot::Spot;
 
 /// Largest value of `samples`.
@@ -39,13 +33,6 @@ pub(crate) const LIGHTS: Variants = Variants {
     about: "A light.",
     kinds: &[point::KIND, spot::KIND, directional::KIND, area::KIND],
 };
-
-/// The systems that find the lights of each kind.
-pub(crate) const SYSTEMS: [System; 4] =
-    [point::lights, directional::lights, area::lights, sky::lights];
-
-/// Finds the lights of a kind in the world, with their entities, around what is to be seen.
-type System = fn(&World, &Frame, &Geometry) -> Result<Vec<(Entity, Light)>>;
 
 /// Warns of a light without any but its ambient part.
 fn warn_of_power(object: &Object<'_>) {
@@ -80,25 +67,4 @@ fn check_samples(object: &Object<'_>, sampling: Sampling, samples: u32) -> Resul
     let cursor = object.need("samples", "an integer")?;
     let error = cursor.error_of(ErrorKind::Limit, message);
     Err(error.remedy(format!("at most {MOST_POINTS} (2^24) are allowed")))
-}
-
-/// Upper bound on the distance between any two points of the scene.
-fn diameter(geometry: &Geometry) -> f64 {
-    bounds::of(geometry).map_or(0.0, |[low, high]| (high - low).length())
-}
-
-/// A light, of whose points so many are looked at.
-fn light(
-    emitter: Emitter,
-    power: Vec3,
-    falloff: Falloff,
-    (sampling, samples): (Sampling, u32),
-) -> Light {
-    let rows = if sampling == Sampling::Jittered { samples } else { 1 };
-    let grid = [samples, rows];
-    Light { emitter, power, falloff, sampling, grid, dimension: 0 }
-}
-
-fn power(intensity: f64, color: DVec3) -> Vec3 {
-    (color * intensity).as_vec3()
 }

@@ -6,7 +6,7 @@
 
 mod materials;
 mod meshes;
-pub(crate) mod standalone;
+mod standalone;
 
 use std::collections::HashMap;
 use std::fs::{self, File};

@@ -32,7 +32,9 @@ use wavecrest_base::memory::Activity;
 use wavecrest_base::progress;
 use wavecrest_base::read::open;
 
-pub use data::{Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE, NamedMaterials};
+pub use data::{
+    Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE, NamedMaterials, VertexColors,
+};
 pub use join::first_of_each;
 pub use origin::{origin, relative};
 pub(crate) use scalar::Scalar;

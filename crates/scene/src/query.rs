@@ -58,12 +58,7 @@ pub(crate) fn remove<C: Component>(world: &mut World) {
 
 /// The place of the entity in the scene file; empty if unknown.
 pub(crate) fn json_path(world: &World, entity: Entity) -> String {
-    world.entity(entity).map_or_else(|_| String::new(), place_of)
-}
-
-/// As [`json_path`], of an entity that is at hand.
-pub(crate) fn place_of(entity: EntityRef<'_>) -> String {
-    entity.get::<&JsonPath>().map_or_else(String::new, |path| path.0.clone())
+    world.get::<&JsonPath>(entity).map_or_else(|_| String::new(), |path| path.0.clone())
 }
 
 /// What names images: a surface, or the environment.

@@ -2,16 +2,17 @@
 //! world and written from one.
 
 use std::collections::{HashMap, HashSet};
-use std::path::PathBuf;
 
 use glam::DVec3;
 use hecs::{Entity, EntityBuilder, EntityRef, World};
 use serde_json::{Value, json};
 
 use crate::camera::{self, CAMERAS};
-use crate::components::{Encoding, JsonPath, Order, View};
+use crate::components::{Encoding, JsonPath, Order, Settings, View};
 use crate::environment::{self, Environment};
-use crate::format::{Beside, Cursor, Declared, Field, Kind, Notes, Object, Range, Writer, keys};
+use crate::format::{
+    self, Beside, Cursor, Declared, Field, Kind, Notes, Object, Range, Writer, keys,
+};
 use crate::lights::{LIGHTS, SKY, Sky};
 use crate::options::LoadOptions;
 use crate::query;
@@ -64,20 +65,16 @@ const SCENE: Kind = Kind::new(
     },
 );
 
-/// Settings of the whole scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// The scene file: relative paths start from its folder.
-    pub file: PathBuf,
-    /// How often a ray may be mirrored or refracted after the camera ray.
-    pub bounces: u32,
-    /// Colour of rays that hit nothing and were not mirrored.
-    pub background: DVec3,
-    /// A factor on the diffuse colour, added once for each light, visible or not; 0 if the world has
-    /// a [`Sky`](crate::components::Sky).
-    pub ambient: f64,
-    /// Transfer curve of 8-bit images, unless one is requested.
-    pub transfer: Encoding,
+/// The JSON Schema of a scene file.
+///
+/// Every scene that loads with `strict` is valid by it.
+///
+/// ```
+/// let schema = wavecrest_scene::json_schema();
+/// assert_eq!(schema["properties"]["nbounces"]["maximum"], 10_000);
+/// ```
+pub fn json_schema() -> Value {
+    format::json_schema(&FILE)
 }
 
 /// Reads a whole file from its top into a world.
@@ -118,7 +115,7 @@ fn contents(scene: &Object<'_>, world: &mut World) -> Result<()> {
         cursor.variant(&LIGHTS)?.components(entity)
     });
     list(scene, "shapes", "an array of shapes", world, |cursor, entity, _| {
-        shapes::read(cursor, &SHAPES, entity)
+        cursor.variant(&SHAPES)?.components(entity)
     })?;
     let names = Names::of(query::shapes(world));
     let instance = |cursor: &Cursor<'_>, entity: &mut EntityBuilder, world: &World| {

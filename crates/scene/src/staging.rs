@@ -20,15 +20,25 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::components::{CutOut, View};
+use crate::components::{CutOut, Material, View};
 use crate::mesh::MeshData;
+use crate::mtl::GREY;
+use crate::systems::bounds::{self, EMPTY, Ends, joined};
 use crate::systems::cutouts::{Masks, left};
 
 pub(crate) use camera::{Framed, framed, view};
 use grid::Grid;
-pub(crate) use ground::GROUND;
 pub(crate) use light::{MOST_LAMPS, allow_for_surfaces, light, settings};
 pub(crate) use upward::Upward;
+
+/// The material of meshes without one: a light grey with a faint highlight.
+pub(crate) const MATERIAL: Material = Material {
+    ks: 0.15,
+    kd: 0.85,
+    specular_exponent: 40.0,
+    diffuse_color: DVec3::splat(GREY),
+    ..Material::MATTE
+};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BoundingSphere {
@@ -53,24 +63,24 @@ impl<'a> VisibleMesh<'a> {
         }
     }
 
-    /// The box around a mesh in its place.
+    /// The box around a mesh in place of the mesh.
     pub(crate) fn boxed(mesh: &MeshData) -> Self {
         Self { points: corners(&mesh.positions).into(), triangles: (&[]).into() }
     }
 
-    /// It at each of these places.
-    pub(crate) fn placed(
+    /// An instance with each of these transforms.
+    pub(crate) fn instances(
         &self,
-        places: impl Iterator<Item = DAffine3>,
-    ) -> impl Iterator<Item = Placed<'_>> {
-        let own = Placed::new(&self.points, &self.triangles, DAffine3::IDENTITY);
-        places.map(move |world| Placed { world, ..own.clone() })
+        transforms: impl Iterator<Item = DAffine3>,
+    ) -> impl Iterator<Item = MeshInstance<'_>> {
+        let own = MeshInstance::new(&self.points, &self.triangles, DAffine3::IDENTITY);
+        transforms.map(move |world| MeshInstance { world, ..own.clone() })
     }
 }
 
 /// Visible geometry and its transform.
 #[derive(Clone, Debug)]
-pub(crate) struct Placed<'a> {
+pub(crate) struct MeshInstance<'a> {
     pub(crate) points: &'a [Vec3],
     pub(crate) triangles: &'a [[u32; 3]],
     pub(crate) world: DAffine3,
@@ -79,7 +89,7 @@ pub(crate) struct Placed<'a> {
     seen: Option<Arc<Vec<AtomicU64>>>,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> MeshInstance<'a> {
     pub(crate) fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]], world: DAffine3) -> Self {
         Self { points, triangles, world, seen: shown(points, triangles, |_| true) }
     }
@@ -120,21 +130,11 @@ fn shown(
     (!triangles.is_empty() && (count as usize) < points.len()).then(|| Arc::new(seen))
 }
 
-type BoxEnds = (DVec3, DVec3);
-
-/// The empty box.
-const EMPTY: BoxEnds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-
-/// The box around two boxes.
-fn joined(a: BoxEnds, b: BoxEnds) -> BoxEnds {
-    (a.0.min(b.0), a.1.max(b.1))
-}
-
 /// Everything visible in a file.
 pub(crate) struct Scenery<'a> {
-    pub(crate) all: Vec<Placed<'a>>,
+    pub(crate) all: Vec<MeshInstance<'a>>,
     /// The ends of the box around all points; infinite without points.
-    ends: BoxEnds,
+    ends: Ends,
     /// The sphere around the centre of that box; without points of radius 1 around the origin.
     pub(crate) sphere: BoundingSphere,
     /// The number of triangles of stray parts, which are not in the box.
@@ -142,7 +142,7 @@ pub(crate) struct Scenery<'a> {
 }
 
 impl<'a> Scenery<'a> {
-    pub(crate) fn new(all: Vec<Placed<'a>>) -> Self {
+    pub(crate) fn new(all: Vec<MeshInstance<'a>>) -> Self {
         let sphere = BoundingSphere { center: DVec3::ZERO, radius: 1.0 };
         let mut contents = Self { all, ends: EMPTY, sphere, strays: 0 };
         contents.measure();
@@ -155,12 +155,12 @@ impl<'a> Scenery<'a> {
 
     /// Finds the box and the sphere.
     fn measure(&mut self) {
-        let Some((low, high)) = self.extent(|point| point) else { return };
+        let Some([low, high]) = self.extent(|point| point) else { return };
         let center = (low + high) / 2.0;
         let radius = self.reduce(0.0, |point| point.distance(center), f64::max);
         // A single point has no extent; it is seen from one unit away.
         self.sphere = BoundingSphere { center, radius: if radius > 0.0 { radius } else { 1.0 } };
-        self.ends = (low, high);
+        self.ends = [low, high];
     }
 
     /// Points all over an image, with normals of any length; none if it takes too long.
@@ -177,39 +177,33 @@ impl<'a> Scenery<'a> {
     ) -> T {
         // Blocks, because a reduction of single points calls its functions for each.
         const BLOCK: usize = 1 << 12;
-        let of_placed = |placed: &Placed<'_>| {
-            let point = |p: &Vec3| of(placed.world.transform_point3(p.as_dvec3()));
+        let of_instance = |instance: &MeshInstance<'_>| {
+            let point = |p: &Vec3| of(instance.world.transform_point3(p.as_dvec3()));
             let block = |(block, points): (usize, &[Vec3])| {
-                let Some(seen) = &placed.seen else {
+                let Some(seen) = &instance.seen else {
                     return points.iter().map(point).fold(none, &merge);
                 };
                 let numbered = (block * BLOCK..).zip(points);
                 let shown = numbered.filter(|(i, _)| is_set(seen, *i));
                 shown.map(|(_, p)| point(p)).fold(none, &merge)
             };
-            placed.points.par_chunks(BLOCK).enumerate().map(block).reduce(|| none, &merge)
+            instance.points.par_chunks(BLOCK).enumerate().map(block).reduce(|| none, &merge)
         };
-        self.all.iter().map(of_placed).fold(none, &merge)
+        self.all.iter().map(of_instance).fold(none, &merge)
     }
 
     /// The box around what `of` makes of all points; `None` without points.
-    fn extent(&self, of: impl Fn(DVec3) -> DVec3 + Sync) -> Option<BoxEnds> {
-        let ends = self.reduce(EMPTY, |point| (of(point), of(point)), joined);
-        (ends.0.is_finite() && ends.1.is_finite()).then_some(ends)
+    fn extent(&self, of: impl Fn(DVec3) -> DVec3 + Sync) -> Option<Ends> {
+        let ends = self.reduce(EMPTY, |point| [of(point); 2], joined);
+        ends.iter().all(|end| end.is_finite()).then_some(ends)
     }
 }
 
 /// The eight corners of the box around some points; empty without points.
 fn corners(points: &[Vec3]) -> Vec<Vec3> {
-    let ends = Scenery::new(vec![Placed::new(points, &[], DAffine3::IDENTITY)]).ends;
+    let ends = Scenery::new(vec![MeshInstance::new(points, &[], DAffine3::IDENTITY)]).ends;
     let count = if points.is_empty() { 0 } else { 8 };
-    (0..count).map(|i| corner(&ends, i).as_vec3()).collect()
-}
-
-/// A corner of a box: at the high end of each axis whose bit is set in `i`, from 0 to 7.
-fn corner((low, high): &BoxEnds, i: u32) -> DVec3 {
-    let is_high = |axis: u32| i >> axis & 1 == 1;
-    DVec3::select([is_high(0), is_high(1), is_high(2)].into(), *high, *low)
+    bounds::corners(ends).into_iter().take(count).map(|corner| corner.as_vec3()).collect()
 }
 
 #[cfg(test)]
@@ -228,7 +222,7 @@ mod tests {
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
         for (first, (low, high)) in (0..).step_by(8).zip(all) {
             let ends = [*low, *high].map(|end| Vec3::from_array(end).as_dvec3());
-            points.extend((0..8).map(|i| corner(&ends.into(), i).as_vec3()));
+            points.extend(bounds::corners(ends).map(|corner| corner.as_vec3()));
             let sides = QUADS.map(|quad| quad.map(|i| i + first));
             triangles.extend(sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]));
         }
@@ -237,15 +231,15 @@ mod tests {
 
     /// What such a mesh is staged as.
     pub(super) fn contents((points, triangles): &Solid) -> Scenery<'_> {
-        Scenery::new(vec![Placed::new(points, triangles, DAffine3::IDENTITY)])
+        Scenery::new(vec![MeshInstance::new(points, triangles, DAffine3::IDENTITY)])
     }
 
     #[test]
     fn the_sphere_is_about_all_points_where_they_are() {
         let points = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y, Vec3::Z];
-        let placed = |world| Placed::new(&points, &[], world);
-        let moved = placed(DAffine3::from_translation(DVec3::X * 10.0));
-        let sphere = Scenery::new(vec![placed(DAffine3::IDENTITY), moved]).sphere;
+        let instance = |world| MeshInstance::new(&points, &[], world);
+        let moved = instance(DAffine3::from_translation(DVec3::X * 10.0));
+        let sphere = Scenery::new(vec![instance(DAffine3::IDENTITY), moved]).sphere;
         assert_eq!(sphere.center, DVec3::new(6.0, 0.5, 0.5));
         assert!((sphere.radius - 36.5_f64.sqrt()).abs() < 1e-12, "{}", sphere.radius);
         assert_eq!(
@@ -254,7 +248,7 @@ mod tests {
         );
         assert_eq!(corners(&points).len(), 8);
         // A point that no triangle uses is invisible.
-        let seen = Placed::new(&points, &[[0, 2, 3]], DAffine3::IDENTITY);
+        let seen = MeshInstance::new(&points, &[[0, 2, 3]], DAffine3::IDENTITY);
         assert_eq!(Scenery::new(vec![seen]).sphere.center, DVec3::new(0.0, 0.5, 0.5));
     }
 }

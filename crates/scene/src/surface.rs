@@ -2,21 +2,15 @@
 
 mod maps;
 mod material;
-mod source;
 mod textures;
 mod transparency;
 
-use glam::DVec3;
-use hecs::{Entity, ViewBorrow};
-
-use crate::components::{AreaLight, JsonPath, Name};
 use crate::format::Declaration;
 
 pub(crate) use maps::{EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
 pub use maps::{Map, Maps};
 pub use material::Material;
 pub(crate) use material::{MATERIAL, OBJECT as MATERIAL_OBJECT};
-pub use source::TextureSource;
 pub use textures::{Channels, CutOut, Encoding, Filter, LookUp, Placing, TextureRef, Wrap};
 pub(crate) use textures::{IMAGE, THRESHOLD, existing_file};
 pub use transparency::Transparency;
@@ -29,61 +23,3 @@ pub(crate) const SURFACE: [Declaration; 5] = [
     Declaration::of::<CutOut>(),
     Declaration::of::<Maps>(),
 ];
-
-/// The components of a shape's surface, and what messages call it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SurfaceComponents<'w> {
-    /// The light whose shape it is.
-    pub(crate) light: Option<&'w AreaLight>,
-    /// The material; shapes of lights have neither one nor textures.
-    pub(crate) material: Option<&'w Material>,
-    /// The light that goes through it.
-    pub(crate) transparency: Option<&'w Transparency>,
-    /// The texture of its diffuse colour.
-    pub(crate) texture: Option<&'w TextureRef>,
-    /// Its other textures.
-    pub(crate) maps: &'w Maps,
-    /// Its holes.
-    pub(crate) cut_out: Option<&'w CutOut>,
-    /// Its place in the scene file; empty if unknown.
-    pub(crate) place: &'w str,
-    /// Its name in the scene file.
-    pub(crate) name: Option<&'w Name>,
-}
-
-/// [`SurfaceComponents`] as a query, with those of its material and textures together.
-pub(crate) type SurfaceColumns<'w> =
-    (Option<&'w AreaLight>, MaterialColumns<'w>, Option<&'w JsonPath>, Option<&'w Name>);
-
-type MaterialColumns<'w> = (
-    Option<&'w Material>,
-    Option<&'w Transparency>,
-    Option<&'w TextureRef>,
-    Option<&'w Maps>,
-    Option<&'w CutOut>,
-);
-
-impl<'w> SurfaceComponents<'w> {
-    /// Those of an entity: shapes are looked up in the order of their primitives, which the world
-    /// does not keep.
-    pub(crate) fn of(columns: &'w ViewBorrow<'_, SurfaceColumns<'_>>, entity: Entity) -> Self {
-        let (light, surface, place, name) = columns.get(entity).unwrap_or_default();
-        let surface = if light.is_none() { surface } else { Default::default() };
-        let (material, transparency, texture, maps, cut_out) = surface;
-        let (maps, place) = (maps.unwrap_or(&Maps::NONE), place.map_or("", |place| &place.0));
-        Self { light, material, transparency, texture, maps, cut_out, place, name }
-    }
-
-    /// Whether no light comes from it but what it mirrors or lets through.
-    pub(crate) fn is_black(&self) -> bool {
-        let is_black = |material: &Material| {
-            [material.ks, material.kd] == [0.0; 2] && material.emission == DVec3::ZERO
-        };
-        self.material.is_some_and(is_black) && !self.is_unlit() && self.maps.metal.is_none()
-    }
-
-    /// Whether it shows its base colour as it is.
-    pub(crate) fn is_unlit(&self) -> bool {
-        self.material.is_some_and(|material| material.unlit)
-    }
-}

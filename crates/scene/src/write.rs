@@ -19,7 +19,8 @@ use crate::folder::Folder;
 use crate::format::Beside;
 use crate::load::LoadedScene;
 use crate::mesh::{Attribute, MeshData, NO_VALUE};
-use crate::{query, scene_file};
+use crate::query;
+use crate::scene_file;
 
 /// The contents of the scene file `path` for `scene`: [`write()`] writes it, and the meshes and images that it names.
 ///
@@ -116,13 +117,7 @@ fn copy_error(source: &TextureSource, file: &Path, error: io::Error) -> Error {
 pub fn write_ply(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
     let is_by_vertex = mesh.normals.as_ref().is_none_or(|n| n.indices.is_none())
         && mesh.uvs.as_ref().is_none_or(|uvs| uvs.indices.is_none());
-    if is_by_vertex {
-        return write_by_vertex(mesh, sink);
-    }
-    write_by_vertex(&with_vertices(mesh), sink)
-}
-
-fn write_by_vertex(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
+    let mesh = if is_by_vertex { mesh } else { &with_vertices(mesh) };
     let names = [
         mesh.normals.as_ref().map(|_| "nx ny nz"),
         mesh.uvs.as_ref().map(|_| "s t"),
@@ -212,7 +207,7 @@ fn by_vertex<T: Copy + Default>(
     which: impl Iterator<Item = usize>,
 ) -> Attribute<T> {
     let value = |i| attribute.values.get(i).copied().unwrap_or_default();
-    Attribute { values: which.map(value).collect(), indices: None }
+    which.map(value).collect::<Vec<T>>().into()
 }
 
 /// The values of a triangle's corners: [`NO_VALUE`] for all if one has none.

@@ -1,7 +1,7 @@
 //! Values at the corners of a mesh's triangles.
 
 /// Values for each corner of each triangle.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CornerValues<T> {
     /// The distinct values.
     pub values: Vec<T>,
@@ -12,6 +12,13 @@ pub struct CornerValues<T> {
 
 /// In [`CornerValues::indices`]: this corner has no value.
 pub const NO_VALUE: u32 = u32::MAX;
+
+/// Values indexed like positions.
+impl<T> From<Vec<T>> for CornerValues<T> {
+    fn from(values: Vec<T>) -> Self {
+        Self { values, indices: None }
+    }
+}
 
 impl<T: Copy> CornerValues<T> {
     /// The values at the corners of the mesh's `triangle`th triangle, whose positions have the

@@ -1,6 +1,7 @@
 //! A JSON value with its path, and the checks that convert it to numbers, points, words and lists.
 
 use std::fmt;
+use std::ops::RangeBounds;
 
 use glam::DVec3;
 use serde_json::Value;
@@ -231,6 +232,26 @@ impl<'a> Cursor<'a> {
         self.items(self.array(what)?).map(read).collect()
     }
 
+    /// As [`Cursor::each`], of one of some numbers of elements.
+    pub(crate) fn each_of<T>(
+        &self,
+        counts: impl RangeBounds<usize>,
+        what: &str,
+        read: impl FnMut(Cursor<'_>) -> Result<T>,
+    ) -> Result<Vec<T>> {
+        let all = self.each(what, read)?;
+        if counts.contains(&all.len()) { Ok(all) } else { Err(self.must_be(what)) }
+    }
+
+    /// As [`Cursor::each`], of exactly `N` elements.
+    pub(crate) fn exactly<const N: usize, T>(
+        &self,
+        what: &str,
+        read: impl FnMut(Cursor<'_>) -> Result<T>,
+    ) -> Result<[T; N]> {
+        self.each(what, read)?.try_into().map_err(|_| self.must_be(what))
+    }
+
     /// As [`Cursor::each`], to the end of the list: every element's error is recorded, and one is returned.
     pub(crate) fn every<T>(
         &self,
@@ -240,12 +261,6 @@ impl<'a> Cursor<'a> {
         let items = self.items(self.array(what)?);
         let parts: Vec<Result<T>> = items.map(|item| self.notes.part(|| read(item))).collect();
         parts.into_iter().collect()
-    }
-
-    /// A list of exactly `N` points.
-    pub(crate) fn points<const N: usize>(&self, what: &str) -> Result<[DVec3; N]> {
-        let points = self.each(what, |item| item.point())?;
-        points.try_into().map_err(|_| self.must_be(what))
     }
 
     /// A nonempty text; `what` describes it.

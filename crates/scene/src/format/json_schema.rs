@@ -7,7 +7,6 @@ use serde_json::{Map, Value, json};
 
 use super::keys::plain;
 use super::{Absent, Key, Kind, Range, Takes, Variants};
-use crate::scene_file::FILE;
 
 /// The dialect of the schema.
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
@@ -15,15 +14,8 @@ const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 /// The place of definitions in the schema.
 const DEFINITIONS: &str = "#/$defs/";
 
-/// The schema of a scene file.
-///
-/// Every scene that loads with `strict` is valid by it.
-///
-/// ```
-/// let schema = wavecrest_scene::json_schema();
-/// assert_eq!(schema["properties"]["nbounces"]["maximum"], 10_000);
-/// ```
-pub fn json_schema() -> Value {
+/// The schema of files that are objects of a kind.
+pub(crate) fn json_schema(file: &Kind) -> Value {
     let mut definitions = Definitions(Map::new());
     definitions.add("number", number(Range::COORDINATE));
     let point = tuple(3, reference("number"));
@@ -31,7 +23,7 @@ pub fn json_schema() -> Value {
     let color = tuple(3, number(Range::NOT_NEGATIVE));
     definitions.add("color", about(color, "A linear colour, [r, g, b]."));
     definitions.add("matrix", matrix());
-    let mut schema = definitions.object(&FILE);
+    let mut schema = definitions.object(file);
     schema["$schema"] = DIALECT.into();
     schema["title"] = "wavecrest scene".into();
     schema["$defs"] = definitions.0.into();

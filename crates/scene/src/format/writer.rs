@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use hecs::Entity;
 use serde_json::{Map, Value};
 
-use crate::components::TextureSource;
+use crate::texture_source::TextureSource;
 
 /// The files beside a scene file, with its name as prefix.
 #[derive(Default)]

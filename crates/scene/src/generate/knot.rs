@@ -66,7 +66,7 @@ impl Knot {
     }
 
     /// The step and the ring of vertex `v`.
-    fn place(&self, v: u64) -> (f64, f64) {
+    fn grid_point(&self, v: u64) -> (f64, f64) {
         ((v % self.sides) as f64, (v / self.sides) as f64)
     }
 }
@@ -77,12 +77,12 @@ impl Surface for Knot {
     }
 
     fn position(&self, v: u64) -> DVec3 {
-        let (i, j) = self.place(v);
+        let (i, j) = self.grid_point(v);
         self.point(i, j)
     }
 
     fn normal(&self, v: u64) -> DVec3 {
-        let (i, j) = self.place(v);
+        let (i, j) = self.grid_point(v);
         let around = self.point(i + 1.0, j) - self.point(i - 1.0, j);
         let along = self.point(i, j + 1.0) - self.point(i, j - 1.0);
         around.cross(along).normalize()

@@ -122,9 +122,8 @@ impl Recipe {
     /// The steps of the coarsest grid with at least the requested triangles.
     fn steps(&self) -> u64 {
         let (one, _) = self.model.grid();
-        let squares = self.triangles.div_ceil(one);
-        let root = squares.isqrt();
-        if root * root < squares { root + 1 } else { root }
+        // Of at least one square.
+        (self.triangles.div_ceil(one) - 1).isqrt() + 1
     }
 
     fn check_triangles(&self) -> Result<()> {

@@ -133,8 +133,8 @@ impl Surface for SphereGrid {
         let [origin, across, up] = FACES[(cell / (n * n)) as usize];
         let (i, j) = (cell % n, cell / n % n);
         let corner = |i: u64, j: u64| {
-            let place = |axis: usize| origin[axis] * n + across[axis] * i + up[axis] * j;
-            self.index([place(0), place(1), place(2)]) as u32
+            let along = |axis: usize| origin[axis] * n + across[axis] * i + up[axis] * j;
+            self.index([along(0), along(1), along(2)]) as u32
         };
         let corners = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
         // Towards a corner of the cube the cells' angles grow to 120 degrees; the shorter diagonal

@@ -31,7 +31,7 @@ impl Terrain {
     }
 
     /// The x and z of vertex `v`. The ends are exactly -1 and 1.
-    fn place(&self, v: u64) -> (f64, f64) {
+    fn ground_point(&self, v: u64) -> (f64, f64) {
         let along = |i: u64| (2 * i) as f64 / self.n as f64 - 1.0;
         (along(v % (self.n + 1)), along(v / (self.n + 1)))
     }
@@ -43,12 +43,12 @@ impl Surface for Terrain {
     }
 
     fn position(&self, v: u64) -> DVec3 {
-        let (x, z) = self.place(v);
+        let (x, z) = self.ground_point(v);
         DVec3::new(x, self.height(x, z), z)
     }
 
     fn normal(&self, v: u64) -> DVec3 {
-        let (x, z) = self.place(v);
+        let (x, z) = self.ground_point(v);
         let step = 2.0 / self.n as f64;
         let along_x = self.height(x + step, z) - self.height(x - step, z);
         let along_z = self.height(x, z + step) - self.height(x, z - step);

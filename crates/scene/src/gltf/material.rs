@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::components::{Channels, Encoding, Map, Maps, Material, Sides, TextureRef, Transparency};
 use crate::format::Range;
-use crate::load::standalone;
+use crate::staging;
 use crate::surface::THRESHOLD;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::metal::DIELECTRIC;
@@ -131,7 +131,7 @@ impl MaterialElement {
 
     /// That of meshes from files of meshes, in place of the format's default: alpha is opacity.
     pub(super) fn of_meshes(self) -> Self {
-        Self { own: Some(standalone::MATERIAL), blends: true, sides: Sides::Both, ..self }
+        Self { own: Some(staging::MATERIAL), blends: true, sides: Sides::Both, ..self }
     }
 
     /// The material, with or without an emission texture.

@@ -184,7 +184,7 @@ impl<'a> PrimitiveReader<'a> {
             let message = "some normals are zero or not finite";
             self.notes.note(&vertices.of.path, message, "their triangles are shaded flat");
         }
-        Ok(values.map(|values| Attribute { values, indices: None }))
+        Ok(values.map(Attribute::from))
     }
 
     fn uvs(&mut self, vertices: &Vertices<'_>, set: u32) -> Result<Option<Attribute<Vec2>>> {
@@ -197,7 +197,7 @@ impl<'a> PrimitiveReader<'a> {
             let remedy = format!("its textures are left out; add the attribute {name}");
             self.notes.note(&vertices.of.path, message, &remedy);
         }
-        Ok(values.map(|values| Attribute { values, indices: None }))
+        Ok(values.map(Attribute::from))
     }
 
     /// Colours, without alpha.

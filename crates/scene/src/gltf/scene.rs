@@ -38,8 +38,8 @@ pub(super) fn world(
     let shown: Vec<VisibleMesh<'_>> =
         primitives.iter().map(|one| shown(one, &mut images)).collect();
     let uses = primitives.iter().map(|primitive| primitive.uses.iter().map(|one| one.world));
-    let placed = shown.iter().zip(uses).flat_map(|(shown, uses)| shown.placed(uses));
-    let contents = Scenery::new(placed.collect());
+    let instances = shown.iter().zip(uses).flat_map(|(shown, uses)| shown.instances(uses));
+    let contents = Scenery::new(instances.collect());
     let own = match options.framing == Framing::default() {
         true => camera::chosen(&shots(document), &contents.sphere, options, notes)?,
         false => None,

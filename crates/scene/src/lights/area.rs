@@ -1,20 +1,13 @@
 //! Area lights.
 
-use glam::{DVec3, Vec3};
-use hecs::{Entity, EntityBuilder, World};
+use glam::DVec3;
+use hecs::EntityBuilder;
 
-use super::{MOST_SAMPLES, check_samples, power, warn_of_power};
-use crate::components::{Falloff, Sampling};
+use super::{MOST_SAMPLES, check_samples, warn_of_power};
+use crate::camera::{Falloff, Sampling};
 use crate::format::{Declaration, Key, Kind, Object, Range, component, declared, keys};
-use crate::query::json_path;
-use crate::shapes;
-use crate::systems::frame::Frame;
-use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::geometry::{Geometry, Primitive, Quadric};
-use wavecrest_core::kernels::disk::Disk;
-use wavecrest_core::kernels::light::{Emitter, Light, Triangles};
-use wavecrest_core::kernels::quad;
-use wavecrest_core::prepared::Shape;
+use crate::shapes::{self, Triangle};
+use wavecrest_base::error::Result;
 
 pub(super) const KIND: Kind = Kind {
     keys: UNUSED,
@@ -94,51 +87,13 @@ const SHAPE: Declaration = Declaration {
 };
 
 fn read_shape(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
-    shapes::read(&object.need("shape", "a shape, an object { ... }")?, &shapes::LIT, entity)
-}
-
-/// The area lights.
-pub(super) fn lights(world: &World, frame: &Frame, _: &Geometry) -> Result<Vec<(Entity, Light)>> {
-    let mut found = Vec::new();
-    let mut lights = world.query::<(Entity, &AreaLight, Option<&mut ShapeEmitter>)>();
-    for (entity, light, emitter) in lights.iter() {
-        let emitter = emitter.and_then(|emitter| emitter.0.take());
-        let emitter = emitter.ok_or_else(|| no_area(world, entity, frame))?;
-        let &AreaLight { intensity, color, falloff, sampling, samples } = light;
-        let power = power(intensity, color);
-        found.push((entity, super::light(emitter, power, falloff, (sampling, samples))));
+    let cursor = object.need("shape", "a shape, an object { ... }")?;
+    let shape = cursor.variant(&shapes::LIT)?;
+    shape.components(entity)?;
+    if entity.get::<&Triangle>().is_some_and(|triangle| !triangle.has_area())
+        && let Some(points) = shape.get("points")
+    {
+        return Err(points.error("a light must have an area").remedy("move the corners apart"));
     }
-    Ok(found)
-}
-
-/// What emits the light of a shape, left beside it until its light takes it; `None` without an area.
-pub(crate) struct ShapeEmitter(Option<Emitter>);
-
-impl ShapeEmitter {
-    pub(crate) fn of(geometry: &Geometry, shape: &Shape) -> Self {
-        let range = shape.primitives.clone();
-        let Primitive::Quadric(i) = geometry.primitive(range.start) else {
-            let corners = range.flat_map(|number| triangles(geometry, number)).collect();
-            return Self(Triangles::new(corners).map(Emitter::Triangles));
-        };
-        Self(Some(match geometry.quadrics[i] {
-            Quadric::Sphere(center, radius) => Emitter::Sphere { center, radius },
-            Quadric::Disk(disk) => Emitter::Disk(disk, Disk::axes(disk.normal.as_dvec3())),
-        }))
-    }
-}
-
-fn triangles(geometry: &Geometry, number: u32) -> Vec<[Vec3; 3]> {
-    match geometry.primitive(number) {
-        Primitive::Triangle(i) => vec![geometry.triangle(i)],
-        Primitive::Quad(i) => quad::halves(&geometry.quad(i)).to_vec(),
-        Primitive::Quadric(_) | Primitive::Instanced(_) => vec![],
-    }
-}
-
-fn no_area(world: &World, entity: Entity, frame: &Frame) -> Error {
-    Error::new(ErrorKind::Scene, "the shape of an area light must have an area")
-        .in_file(&frame.settings.file)
-        .at(format!("{}.shape", json_path(world, entity)))
-        .remedy("move the corners apart, or use a point light")
+    Ok(())
 }

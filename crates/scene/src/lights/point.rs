@@ -1,15 +1,10 @@
 //! Point lights.
 
-use glam::{DVec3, Vec3};
-use hecs::{Entity, World};
+use glam::DVec3;
 
-use super::{Spot, power, warn_of_strength};
-use crate::components::{Falloff, Sampling};
+use super::warn_of_strength;
+use crate::camera::Falloff;
 use crate::format::{Declaration, Kind, Range, component, declared};
-use crate::systems::frame::Frame;
-use wavecrest_base::error::Result;
-use wavecrest_core::geometry::Geometry;
-use wavecrest_core::kernels::light::{Emitter, Light};
 
 pub(super) const KIND: Kind = Kind::entity(
     "pointlight",
@@ -37,16 +32,3 @@ declared!(PointLight, |_: &mut Self, object| {
     warn_of_strength(object);
     Ok(())
 });
-
-/// The point lights, of which cones narrow some.
-pub(super) fn lights(world: &World, frame: &Frame, _: &Geometry) -> Result<Vec<(Entity, Light)>> {
-    let mut lights = world.query::<(Entity, &PointLight, Option<&Spot>)>();
-    let lights = lights.iter().map(|(entity, light, spot)| {
-        let position = (light.position - frame.origin).as_vec3();
-        let emitter = spot.map_or(Emitter::Point(position), |spot| spot.emitter(position));
-        let is_dark = spot.is_some_and(|spot| spot.outer_degrees == 0.0);
-        let power = if is_dark { Vec3::ZERO } else { power(light.intensity, light.color) };
-        (entity, super::light(emitter, power, light.falloff, (Sampling::Random, 1)))
-    });
-    Ok(lights.collect())
-}

@@ -1,12 +1,10 @@
 //! Spot lights: point lights that a cone narrows.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::PointLight;
-use crate::corners::unit;
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::light::{Cone, Emitter};
 
 /// Angles between the direction of a spot and the edge of a cone, in degrees.
 const HALF_ANGLE: Range = Range::new(0.0, 90.0);
@@ -46,12 +44,4 @@ fn check(spot: &mut Spot, object: &Object<'_>) -> Result<()> {
         object.need("outer", "a number")?.warn(message, "use an angle above 0, up to 90");
     }
     Ok(())
-}
-
-impl Spot {
-    /// Light from a `position` in its cone.
-    pub(super) fn emitter(&self, position: Vec3) -> Emitter {
-        let axis = unit(self.direction);
-        Emitter::Spot(position, Cone::new(axis, self.inner_degrees, self.outer_degrees))
-    }
 }

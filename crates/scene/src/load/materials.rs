@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use hecs::EntityBuilder;
 
-use crate::components::{Maps, Mesh, Name};
+use crate::components::{Maps, Mesh, Name, TextureSource};
 use crate::folder::{Denied, Folder, last_part};
 use crate::format::{Declaration, Notes};
-use crate::image_file;
+use crate::image_file::Head;
 use crate::mesh::{MeshData, NamedMaterials};
 use crate::mtl::{Library, Mtl, MtlSurface, surface};
 use crate::surface::{MATERIAL, SURFACE};
@@ -23,6 +23,9 @@ const LONGEST_FILE: u64 = 1 << 26;
 
 /// Largest number of MTL files.
 const MOST_FILES: usize = 64;
+
+/// What is done without an MTL file.
+const WITHOUT_FILE: &str = "its faces use the default material";
 
 /// Splits a shape, whose `mesh` was read from `file`: into a shape for each material of its faces, and one for the faces
 /// without a known material. `begin` makes one with the whole shape's place, and these components of its surface.
@@ -162,12 +165,7 @@ impl Reader<'_> {
             };
             for name in names {
                 let path = self.find(self.folder.path(), name).inspect_err(|denied| {
-                    self.denied(
-                        *denied,
-                        "material file",
-                        name,
-                        "its faces use the default material",
-                    );
+                    self.denied(*denied, "material file", name, WITHOUT_FILE);
                 });
                 let path = path.ok().filter(|path| !found.contains(path));
                 found.extend(path);
@@ -187,7 +185,7 @@ impl Reader<'_> {
         let read = File::open(path).and_then(|file| file.take(LONGEST_FILE).read_to_end(&mut text));
         let read = read.inspect_err(|error| {
             let message = format!("cannot read {}: {error}", path.display());
-            self.warn(&message, "its faces use the default material");
+            self.warn(&message, WITHOUT_FILE);
         });
         read.is_ok().then_some(text)
     }
@@ -202,8 +200,8 @@ impl Reader<'_> {
         let found = self.find(from, name);
         let found = found.inspect_err(|denied| self.denied(*denied, "image", name, effect));
         let found = found.ok().filter(|path| {
-            let check = image_file::check(path);
-            check.inspect_err(|error| self.warn(&error.to_string(), effect)).is_ok()
+            let head = Head::of(&TextureSource::File(path.clone()));
+            head.inspect_err(|error| self.warn(&error.to_string(), effect)).is_ok()
         });
         self.images.insert(key, found.clone());
         found
@@ -222,14 +220,14 @@ impl Reader<'_> {
     }
 
     fn denied(&self, denied: Denied, kind: &str, name: &str, effect: &str) {
-        let (place, remedy) = match denied {
+        let (state, remedy) = match denied {
             Denied::Missing => ("missing", "put it beside the mesh; until then "),
             Denied::Outside => (
                 "outside the folder of the mesh",
                 "copy it there, or allow others with --allow-outside; ",
             ),
         };
-        self.warn(&format!("the {kind} {name:?} is {place}"), &format!("{remedy}{effect}"));
+        self.warn(&format!("the {kind} {name:?} is {state}"), &format!("{remedy}{effect}"));
     }
 
     /// Whether the mesh has the texture coordinates that a texture needs.

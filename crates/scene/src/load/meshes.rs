@@ -4,7 +4,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use hecs::{Component, Entity, EntityBuilder, EntityRef, World};
+use hecs::{Entity, EntityBuilder, EntityRef, World};
 
 use super::materials::split;
 use crate::components::{
@@ -13,8 +13,8 @@ use crate::components::{
 };
 use crate::format::{Declaration, Notes};
 use crate::mesh::{LoadedMesh, MeshData, NamedMaterials, announce};
-use crate::query::{Pictured, images_of, json_path, ordered, place_of, shapes};
-use crate::shapes::{INSTANCE, PLACED};
+use crate::query::{Pictured, images_of, json_path, ordered, shapes};
+use crate::shapes::{COMMON, INSTANCE};
 use crate::surface::SURFACE;
 use wavecrest_base::error::{ErrorKind, Result};
 
@@ -37,7 +37,7 @@ pub(super) fn complete(
             match notes.part(|| complete_shape(world, shape, notes, &read_mesh)) {
                 Ok(parts) => {
                     for (&part, order) in parts.iter().zip(&mut order) {
-                        insert(world, part, order);
+                        let _ = world.insert_one(part, order);
                     }
                     parts_of.insert(shape, parts);
                 }
@@ -57,12 +57,6 @@ fn ids(those: Vec<EntityRef<'_>>) -> Vec<Entity> {
     those.into_iter().map(|entity| entity.entity()).collect()
 }
 
-/// Adds a component to an entity that exists.
-fn insert(world: &mut World, entity: Entity, component: impl Component) {
-    let inserted = world.insert_one(entity, component);
-    debug_assert!(inserted.is_ok(), "the entity exists");
-}
-
 /// Leaves out shapes that are hidden and have no instance: their meshes are not read. Warns of them.
 fn leave_out_unseen(world: &mut World, notes: &Notes<'_>) {
     let prototypes: HashSet<Entity> = world.query::<&InstanceOf>().iter().map(|of| of.0).collect();
@@ -70,15 +64,18 @@ fn leave_out_unseen(world: &mut World, notes: &Notes<'_>) {
     hidden.retain(|shape| !prototypes.contains(&shape.entity()));
     for shape in &hidden {
         let message = "the shape is hidden and has no instance";
-        notes.note(&place_of(*shape), message, "add an instance, or remove \"hidden\"");
+        notes.note(
+            &json_path(world, shape.entity()),
+            message,
+            "add an instance, or remove \"hidden\"",
+        );
         if let Ok((mesh, pictured)) = shape.query::<(Option<&MeshFile>, Pictured<'_>)>().get() {
             mesh.into_iter().for_each(|mesh| notes.reads(&mesh.file));
             images_of(pictured).for_each(|file| notes.reads(file));
         }
     }
     for shape in ids(hidden) {
-        let gone = world.despawn(shape);
-        debug_assert!(gone.is_ok(), "the shape exists");
+        let _ = world.despawn(shape);
     }
 }
 
@@ -92,7 +89,7 @@ fn complete_light(
     if let Ok(file) = world.remove_one::<MeshFile>(light) {
         let file = MeshFile { colors: VertexColors::None, ..file };
         let (mesh, _) = read(&file, &place, notes, read_mesh)?;
-        insert(world, light, mesh);
+        let _ = world.insert_one(light, mesh);
     }
     match world.get::<&Mesh>(light).is_ok_and(|mesh| !mesh.has_area()) {
         true => Err(notes.error(ErrorKind::Scene, &place, "a light must have an area")),
@@ -117,16 +114,15 @@ fn complete_shape(
                 whole.get::<&Order>().map(|order| part.add(*order));
                 whole.get::<&JsonPath>().map(|path| part.add(JsonPath::clone(&path)));
                 let maps = Declaration::of::<Maps>();
-                let kept = PLACED.iter().chain([&maps]).chain(surface);
+                let kept = COMMON.iter().chain([&maps]).chain(surface);
                 kept.for_each(|component| (component.copy)(whole, &mut part));
                 part
             };
             let split = split(begin, mesh.data, &named, &file.file, notes);
             parts = split.into_iter().map(|mut part| world.spawn(part.build())).collect();
-            let gone = world.despawn(shape);
-            debug_assert!(gone.is_ok(), "the shape exists");
+            let _ = world.despawn(shape);
         } else {
-            insert(world, shape, mesh);
+            let _ = world.insert_one(shape, mesh);
         }
     }
     parts.iter().try_for_each(|&part| check_attributes(world, part, notes))?;
@@ -200,6 +196,5 @@ fn complete_instance(
         }
         world.spawn(entity.build());
     }
-    let gone = world.despawn(instance);
-    debug_assert!(gone.is_ok(), "the instance exists");
+    let _ = world.despawn(instance);
 }

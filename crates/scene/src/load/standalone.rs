@@ -2,29 +2,19 @@
 
 use std::path::Path;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use hecs::{EntityBuilder, World};
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::materials::split;
-use crate::components::{CutOut, JsonPath, Material, Mesh, Name, Order, Shading, Sides};
+use crate::components::{CutOut, JsonPath, Mesh, Name, Order, Shading, Sides};
 use crate::format::{Declaration, Notes};
 use crate::mesh::LoadedMesh;
-use crate::mtl::GREY;
 use crate::options::LoadOptions;
 use crate::options::framing::Up;
 use crate::staging::{self, Scenery, Upward, VisibleMesh};
 use crate::systems::cutouts::Masks;
-
-/// A light grey with a faint highlight.
-pub(crate) const MATERIAL: Material = Material {
-    ks: 0.15,
-    kd: 0.85,
-    specular_exponent: 40.0,
-    diffuse_color: DVec3::splat(GREY),
-    ..Material::MATTE
-};
 
 /// The mesh that `read` returns as a scene, with a description of the choices made for the user.
 /// `path` is its file, or a name for it.
@@ -52,7 +42,7 @@ pub(super) fn world(
         let place = JsonPath("the mesh".into());
         part.add_bundle((Order(0), place, Name(name.clone()), Sides::Both, shading));
         if !surface.is_empty() {
-            part.add(MATERIAL);
+            part.add(staging::MATERIAL);
         }
         part
     };
@@ -62,8 +52,8 @@ pub(super) fn world(
         Some(VisibleMesh::new(&part.get::<&Mesh>()?.data, part.get::<&CutOut>(), &mut images))
     });
     let shown: Vec<VisibleMesh<'_>> = shown.collect();
-    let placed = shown.iter().flat_map(|shown| shown.placed(std::iter::once(origin)));
-    let contents = Scenery::new(placed.collect());
+    let instances = shown.iter().flat_map(|shown| shown.instances(std::iter::once(origin)));
+    let contents = Scenery::new(instances.collect());
     let framed =
         staging::framed(&contents, usual_up(path), options).map_err(|error| error.in_file(path))?;
     let mut world = World::new();

@@ -4,26 +4,27 @@ use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::crease;
-use crate::components::VertexColors;
 use wavecrest_base::error::{Error, Warning};
 use wavecrest_core::math::srgb::srgb_decode;
-
-/// Values for the corners of a mesh's triangles.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Attribute<T> {
-    /// The distinct values.
-    pub values: Vec<T>,
-    /// For each triangle, the index of the value of each corner ([`NO_VALUE`] for none). With
-    /// `None`, values belong to positions: corner `c` has the value of position `c`.
-    pub indices: Option<Vec<[u32; 3]>>,
-}
-
-/// In [`Attribute::indices`]: this corner has no value.
-pub const NO_VALUE: u32 = u32::MAX;
+pub use wavecrest_core::prepared::{CornerValues as Attribute, NO_VALUE};
 
 /// The largest number of vertices, faces or triangles, so that each has an index other than
 /// [`NO_VALUE`].
 pub const MAX_COUNT: u64 = NO_VALUE as u64 - 1;
+
+wavecrest_base::choices! {
+    /// The encoding of vertex colours in a mesh file.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum VertexColors {
+        /// sRGB-encoded, as in most programs.
+        #[default]
+        Srgb = "srgb",
+        /// Linear.
+        Linear = "linear",
+        /// Ignored.
+        None = "none",
+    }
+}
 
 /// A mesh as arrays. Every index is in range and every position finite. Degenerate triangles are
 /// kept (the geometry system counts and drops them), so that the number of a triangle is its number

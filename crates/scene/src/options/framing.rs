@@ -35,7 +35,7 @@ pub enum Side {
     Inside,
     /// From this point.
     Point {
-        /// The place of the camera.
+        /// The position of the camera.
         eye: DVec3,
         /// What it looks at; the middle of everything if `None`.
         look: Option<DVec3>,

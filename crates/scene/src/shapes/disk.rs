@@ -4,12 +4,6 @@ use glam::DVec3;
 
 use super::transform::keeps_round;
 use crate::format::{Declaration, Kind, Range, component, declared};
-use crate::systems::placement::{Circle, ShapeInstance};
-use wavecrest_base::error::Result;
-use wavecrest_core::geometry::Quadric;
-use wavecrest_core::kernels::disk;
-use wavecrest_core::kernels::texture::PlanarMap;
-use wavecrest_core::prepared::UvMap;
 
 pub(super) const KIND: Kind =
     Kind::entity("disk", "a disk", "A round, flat surface.", &[Declaration::of::<Disk>()]);
@@ -29,18 +23,3 @@ component! {
 }
 
 declared!(Disk, |_: &mut Self, object| keeps_round(object, "a disk"));
-
-impl Disk {
-    /// The disk in world space.
-    ///
-    /// # Errors
-    /// If it is too large, too small, or too far away for single precision.
-    pub(crate) fn in_world(&self, instance: &ShapeInstance) -> Result<(Quadric, UvMap)> {
-        let Circle { center, radius, turn } = instance.circle("disk", self.center, self.radius)?;
-        let normal = (turn * self.normal).normalize();
-        let disk = disk::Disk { center, normal: normal.as_vec3(), radius };
-        let [u, v] = disk::Disk::axes(self.normal).map(|axis| (turn * axis).as_vec3() * radius);
-        let map = PlanarMap::new(center - u - v, 2.0 * u, 2.0 * v);
-        Ok((Quadric::Disk(disk), UvMap::Planar(map)))
-    }
-}

@@ -43,7 +43,7 @@ impl Declared for Quad {
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
         let what = "four points [[x, y, z], ...]: bottom left, top left, top right, bottom right";
         let cursor = object.need("points", what)?;
-        let points = cursor.points(what)?;
+        let points = cursor.exactly(what, |item| item.point())?;
         check_quad(&cursor, &points)?;
         check_facing(object, quad_normal(&points))?;
         Ok(Some(Self { points }))
@@ -65,7 +65,7 @@ pub struct Triangle {
 
 impl Triangle {
     /// Whether it has an area beyond rounding.
-    pub(super) fn has_area(&self) -> bool {
+    pub(crate) fn has_area(&self) -> bool {
         triangle_has_area(&self.points)
     }
 }
@@ -79,7 +79,7 @@ impl Declared for Triangle {
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
         let what = "three points [[x, y, z], ...]";
         let cursor = object.need("points", what)?;
-        let triangle = Self { points: cursor.points(what)? };
+        let triangle = Self { points: cursor.exactly(what, |item| item.point())? };
         check_facing(object, triangle_normal(&triangle.points))?;
         if !triangle.has_area() {
             cursor.warn("the triangle has no area", "it is left out");

@@ -7,9 +7,8 @@ use serde_json::Value;
 
 use super::transform::keeps_round;
 use super::{Disk, Name, Sphere, Transform};
-use crate::components::{Material, Transparency};
 use crate::format::{Cursor, Declaration, Kind, Writer, keys};
-use crate::surface::{MATERIAL, MATERIAL_OBJECT};
+use crate::surface::{MATERIAL, MATERIAL_OBJECT, Material, Transparency};
 use wavecrest_base::error::{Result, did_you_mean};
 
 /// The prototype of an instance: an entity with a sphere, disk, quad, triangle or mesh, which is stored

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::format::{
     Cursor, Declaration, Declared, Key, Kind, Object, Range, Takes, Writer, keys, words,
 };
-use crate::mesh::{Attribute, MeshData};
+use crate::mesh::{Attribute, MeshData, VertexColors};
 use crate::surface::existing_file;
 use wavecrest_base::error::{Error, Result};
 
@@ -61,20 +61,6 @@ pub(super) const STRIP: Kind = Kind {
 const INDICES_TAKE: Takes = Takes::AtLeast(1, &Takes::Exactly(3, &Takes::Integer(0, u32::MAX)));
 
 words!(VertexColors, Materials);
-
-wavecrest_base::choices! {
-    /// The encoding of vertex colours in a mesh file.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub enum VertexColors {
-        /// sRGB-encoded, as in most programs.
-        #[default]
-        Srgb = "srgb",
-        /// Linear.
-        Linear = "linear",
-        /// Ignored.
-        None = "none",
-    }
-}
 
 wavecrest_base::choices! {
     /// The source of the materials of a mesh file's faces.
@@ -188,10 +174,10 @@ impl Declared for Mesh {
 
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
         let what = format!("{POINTS}, or the path of a mesh as \"file\"");
-        let points = points(&object.need("points", &what)?)?;
+        let points = object.need("points", &what)?.each_of(3.., POINTS, |item| item.point())?;
         check_size(object, points.len())?;
         let triangles = match object.get("indices") {
-            Some(indices) => self::indices(&indices, points.len())?,
+            Some(indices) => indices.each_of(1.., INDICES, |item| triangle(&item, points.len()))?,
             None => strip(object, points.len())?,
         };
         let count = points.len();
@@ -210,8 +196,8 @@ impl Declared for Mesh {
             positions: points.iter().map(|p| p.as_vec3()).collect(),
             origin: DVec3::ZERO,
             triangles,
-            normals: normals.map(|values| Attribute { values, indices: None }),
-            uvs: uvs.map(|values| Attribute { values, indices: None }),
+            normals: normals.map(Attribute::from),
+            uvs: uvs.map(Attribute::from),
             colors,
             alphas,
         };
@@ -244,14 +230,6 @@ impl Declared for Mesh {
     }
 }
 
-fn points(cursor: &Cursor<'_>) -> Result<Vec<DVec3>> {
-    let points = cursor.each(POINTS, |item| item.point())?;
-    if points.len() < 3 {
-        return Err(cursor.error(format!("must be {POINTS}")));
-    }
-    Ok(points)
-}
-
 fn check_size(object: &Object<'_>, points: usize) -> Result<()> {
     let Some(cursor) = object.get("size") else { return Ok(()) };
     if usize::try_from(cursor.integer(0, u32::MAX)?).is_ok_and(|size| size == points) {
@@ -278,23 +256,11 @@ fn strip(object: &Object<'_>, points: usize) -> Result<Vec<[u32; 3]>> {
 fn flips(cursor: &Cursor<'_>, triangles: usize) -> Result<Vec<bool>> {
     let what =
         format!("an array of {triangles} numbers, one for each triangle: 0, or -1 to flip it");
-    let flips = cursor.each(&what, |item| match item.value().as_f64() {
+    cursor.each_of(triangles..=triangles, &what, |item| match item.value().as_f64() {
         Some(0.0) => Ok(false),
         Some(-1.0) => Ok(true),
         _ => Err(item.error("must be 0 to keep the triangle's winding, or -1 to flip it")),
-    })?;
-    if flips.len() != triangles {
-        return Err(cursor.error(format!("must be {what}")));
-    }
-    Ok(flips)
-}
-
-fn indices(cursor: &Cursor<'_>, points: usize) -> Result<Vec<[u32; 3]>> {
-    let triangles = cursor.each(INDICES, |item| triangle(&item, points))?;
-    if triangles.is_empty() {
-        return Err(cursor.error(format!("must be {INDICES}")));
-    }
-    Ok(triangles)
+    })
 }
 
 fn triangle(cursor: &Cursor<'_>, points: usize) -> Result<[u32; 3]> {
@@ -328,9 +294,5 @@ fn by_point<T>(
 ) -> Result<Option<Vec<T>>> {
     let Some(cursor) = object.get(key) else { return Ok(None) };
     let what = format!("an array of {points} times {each}, one for each point");
-    let values = cursor.each(&what, read)?;
-    if values.len() != points {
-        return Err(cursor.error(format!("must be {what}")));
-    }
-    Ok(Some(values))
+    cursor.each_of(points..=points, &what, read).map(Some)
 }

@@ -84,11 +84,8 @@ fn is_uniform(transform: &DAffine3) -> bool {
 fn matrix(cursor: &Cursor<'_>) -> Result<DAffine3> {
     let what = "a matrix of 4 rows [[a, b, c, x], [d, e, f, y], [g, h, i, z], [0, 0, 0, 1]]";
     let row = |item: Cursor<'_>| item.numbers::<4>("a row of four numbers", Range::COORDINATE);
-    let rows = cursor.each(what, row)?;
-    let [x, y, z, last] = &rows[..] else {
-        return Err(cursor.error(format!("must be {what}")));
-    };
-    if *last != [0.0, 0.0, 0.0, 1.0] {
+    let [x, y, z, last] = cursor.exactly(what, row)?;
+    if last != [0.0, 0.0, 0.0, 1.0] {
         let error = cursor.error("the last row must be [0, 0, 0, 1]");
         return Err(error.remedy("put the translation in the last column"));
     }

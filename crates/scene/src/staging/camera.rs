@@ -16,7 +16,7 @@ use super::room::{self, Room};
 use super::upward::{self, FLAT, Upward};
 use super::{BoundingSphere, Scenery};
 use crate::camera;
-use crate::components::{CameraKey, CameraPath, FovAxis, Interpolation, View};
+use crate::components::{CameraPath, FovAxis, Interpolation, View};
 use crate::options::LoadOptions;
 use crate::options::framing::{Fov, Framing, Side, Up, toward};
 
@@ -37,25 +37,16 @@ const CAMERA_SIDE: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 /// The same for what lies flat, as a courtyard: over its walls.
 const OVERHEAD: DVec3 = DVec3::new(0.5, 0.8, 1.0);
 
-/// Width and height of the image: as requested; otherwise with this `aspect`, width by height, or 4
+/// A view without a position yet, of the size requested; otherwise with this `aspect`, width by height, or 4
 /// by 3.
 ///
 /// # Errors
 /// If the requested size is too large or zero.
-fn size(options: &LoadOptions, aspect: Option<f64>) -> Result<(u32, u32)> {
+pub(crate) fn view(options: &LoadOptions, aspect: Option<f64>) -> Result<View> {
     let (aspect, longer) = (aspect.unwrap_or(ASPECT), f64::from(LONGER_SIDE));
     let own = [longer * aspect.min(1.0), longer / aspect.max(1.0)];
     let (width, height) = camera::in_proportion(options, own);
     camera::check_size(width, height)?;
-    Ok((width, height))
-}
-
-/// A view without a position yet, of a size as for [`size`].
-///
-/// # Errors
-/// As [`size`].
-pub(crate) fn view(options: &LoadOptions, aspect: Option<f64>) -> Result<View> {
-    let (width, height) = size(options, aspect)?;
     Ok(View {
         location: DVec3::Z,
         look: DVec3::ZERO,
@@ -100,7 +91,7 @@ impl Framed {
 /// A view of all `contents`. `usual` is the up axis unless one is requested.
 ///
 /// # Errors
-/// As [`size`]; and if the camera would be where it looks.
+/// As [`view`]; and if the camera would be where it looks.
 pub(crate) fn framed(
     contents: &Scenery<'_>,
     usual: Upward,
@@ -137,15 +128,8 @@ pub(crate) fn framed(
 /// A path with these views as frames, from 1 on: each is a key, so that interpolation does not
 /// matter and a scene file can store the path.
 fn path(views: &[View]) -> CameraPath {
-    let key = |(frame, view): (u32, &View)| CameraKey {
-        frame,
-        location: view.location,
-        look: view.look,
-        up: view.up,
-        fov_degrees: view.fov_degrees,
-        focal: 1.0,
-    };
-    CameraPath { keys: (1..).zip(views).map(key).collect(), interpolation: Interpolation::Linear }
+    let keys = (1..).zip(views).map(|(frame, view)| view.key(frame)).collect();
+    CameraPath { keys, interpolation: Interpolation::Linear }
 }
 
 /// The up axis, and a description for the user if the shape suggests another than usual.
@@ -209,7 +193,7 @@ impl ToFrame<'_> {
     /// The default direction of the camera from the object: an object that is deeper than wide is
     /// seen from the side, a wide and low one from farther above.
     fn usual_side(&self) -> DVec3 {
-        let (low, high) = self.contents.ends;
+        let [low, high] = self.contents.ends;
         let size = (self.up.axes().transpose() * (high - low)).abs();
         let is_low = size.y <= FLAT * size.x.min(size.z);
         let side = if is_low { OVERHEAD } else { CAMERA_SIDE };
@@ -223,9 +207,9 @@ impl ToFrame<'_> {
         let axes = fit::axes(view.up, back);
         let BoundingSphere { center, radius } = self.contents.sphere;
         let least = radius * NEAREST;
-        let place = fit::place(self.contents, &axes, self.tangents(view), least);
+        let position = fit::position(self.contents, &axes, self.tangents(view), least);
         let greatest = DVec3::splat(f64::from(MAX_COORDINATE));
-        view.location = place.unwrap_or(center + back).clamp(-greatest, greatest);
+        view.location = position.unwrap_or(center + back).clamp(-greatest, greatest);
         let distance = (view.location - center).dot(back).max(least);
         view.look = view.location - back * distance;
     }
@@ -264,7 +248,8 @@ mod tests {
     #[test]
     fn one_side_of_the_image_follows_from_the_other() {
         let asked = |width, height, aspect| {
-            size(&LoadOptions { width, height, ..LoadOptions::default() }, aspect)
+            let options = LoadOptions { width, height, ..LoadOptions::default() };
+            view(&options, aspect).map(|view| (view.width, view.height))
         };
         assert_eq!(asked(None, None, None).unwrap(), (1024, 768));
         assert_eq!(asked(None, None, Some(0.5)).unwrap(), (512, 1024));

@@ -26,7 +26,7 @@ pub(super) fn axes(up: DVec3, back: DVec3) -> DMat3 {
 /// The position of a camera that sees all points within `tangents` of half its angles of view.
 /// `axes` point right, up and back from the object. `None` without points; `least` is the smallest
 /// distance to one.
-pub(super) fn place(
+pub(super) fn position(
     contents: &Scenery<'_>,
     axes: &DMat3,
     tangents: [f64; 2],
@@ -45,31 +45,31 @@ pub(super) fn place(
     let [right, left, up, down, nearest] = contents.reduce(none, of, merge);
     let middle = [(right - left) / 2.0, (up - down) / 2.0];
     let distance = ((right + left) / (2.0 * across)).max((up + down) / (2.0 * along));
-    let mut place = DVec3::new(middle[0], middle[1], distance.max(nearest + least));
-    if !place.is_finite() {
+    let mut position = DVec3::new(middle[0], middle[1], distance.max(nearest + least));
+    if !position.is_finite() {
         return None;
     }
     // The planes of one pair touch points and fix the camera; those of the other leave it free.
     let free = usize::from(right + left >= (up + down) * across / along);
     for _ in 0..CENTRED {
-        place[free] = centred(contents, &into, &place, free);
+        position[free] = centred(contents, &into, &position, free);
     }
-    Some(*axes * place)
+    Some(*axes * position)
 }
 
 /// Number of centring steps: mostly the second finds the centre, when the outermost points are
 /// known.
 const CENTRED: u32 = 3;
 
-/// The position along the `axis` across the view, for a camera at `place`, at which the outermost
+/// The position along the `axis` across the view, for a camera at `position`, at which the outermost
 /// points on both sides are equally far from the centre of the image.
-fn centred(contents: &Scenery<'_>, into: &DMat3, place: &DVec3, axis: usize) -> f64 {
+fn centred(contents: &Scenery<'_>, into: &DMat3, position: &DVec3, axis: usize) -> f64 {
     // The tangent of the angle, the point's position and its distance.
     let none = [[f64::NEG_INFINITY, 0.0, 1.0]; 2];
     let of = |point: DVec3| {
         let point = *into * point;
-        let (at, distance) = (point[axis], place.z - point.z);
-        let tangent = (at - place[axis]) / distance;
+        let (at, distance) = (point[axis], position.z - point.z);
+        let tangent = (at - position[axis]) / distance;
         [[tangent, at, distance], [-tangent, at, distance]]
     };
     let higher = |a: [f64; 3], b: [f64; 3]| {
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn a_point_is_seen_from_a_little_away_and_nothing_from_nowhere() {
         let seen = |points: Vec<Vec3>| {
-            place(&contents(&(points, vec![])), &DMat3::IDENTITY, [0.4, 0.3], 0.5)
+            position(&contents(&(points, vec![])), &DMat3::IDENTITY, [0.4, 0.3], 0.5)
         };
         assert_eq!(seen(vec![Vec3::X]), Some(DVec3::new(1.0, 0.0, 0.5)));
         assert_eq!(seen(vec![]), None);

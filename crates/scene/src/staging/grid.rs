@@ -52,7 +52,7 @@ pub(super) struct Grid {
 impl Grid {
     /// The grid of the box around the `contents`. `None` without points, or if it takes too long.
     pub(super) fn of(contents: &Scenery<'_>) -> Option<Self> {
-        let (low, high) = contents.ends;
+        let [low, high] = contents.ends;
         let size = high - low;
         if !size.is_finite() {
             return None;
@@ -102,12 +102,12 @@ impl Grid {
     ) -> Option<Self> {
         let tests = AtomicU64::new(0);
         let mut grid = Self::empty();
-        for placed in &contents.all {
-            let found = placed.triangles.par_chunks(BATCH).map(|triangles| {
+        for instance in &contents.all {
+            let found = instance.triangles.par_chunks(BATCH).map(|triangles| {
                 let mut part = Self::empty();
                 if tests.load(Ordering::Relaxed) <= MOST_TESTS {
                     let add = |triangle: &[u32; 3]| {
-                        let [a, b, c] = placed.corners(*triangle);
+                        let [a, b, c] = instance.corners(*triangle);
                         add(&mut part, [a, b, c], (b - a).cross(c - a))
                     };
                     let count = triangles.iter().map(add).sum();

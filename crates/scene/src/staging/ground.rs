@@ -10,14 +10,12 @@ use hecs::{EntityBuilder, World};
 use wavecrest_core::math::float::MAX_COORDINATE;
 
 use super::camera::Framed;
-use super::{BoundingSphere, BoxEnds, Scenery, corner};
+use super::{BoundingSphere, Scenery};
 use crate::components::{
-    DirectionalLight, JsonPath, Material, Mesh, Name, Order, Shading, Sides, Transform,
+    DirectionalLight, Ground, JsonPath, Material, Mesh, Name, Order, Shading, Sides, Transform,
 };
 use crate::mesh::MeshData;
-
-/// Its place in messages, which no file has.
-pub(crate) const GROUND: &str = "the ground";
+use crate::systems::bounds::{Ends, corners};
 
 /// Its distance below the object, in radii: less than is visible, and more than rounding, so that a
 /// floor of the file lies above it.
@@ -43,7 +41,7 @@ pub(super) fn spawn(
 ) {
     let (up, into) = (axes.y_axis, axes.transpose());
     let Some(ends) = contents.extent(|point| into * point) else { return };
-    let height = ends.0.y - GAP * contents.sphere.radius;
+    let height = ends[0].y - GAP * contents.sphere.radius;
     let keys = framed.path.iter().flat_map(|path| path.keys.iter().map(|key| key.location));
     if keys.chain([framed.view.location]).any(|location| location.dot(up) <= height) {
         return;
@@ -54,7 +52,7 @@ pub(super) fn spawn(
     let origin = if is_far { center } else { DVec3::ZERO };
     let point = |at: DVec2| (*axes * DVec3::new(at.x, height, at.y) - origin).as_vec3();
     let corners: Vec<Vec3> =
-        hull(shadows(lamps, axes, &ends, height)).into_iter().map(point).collect();
+        hull(shadows(lamps, axes, ends, height)).into_iter().map(point).collect();
     let is_within = |p: &Vec3| p.abs().max_element() < MAX_COORDINATE;
     if corners.len() < 3 || !corners.iter().all(is_within) {
         return;
@@ -64,10 +62,10 @@ pub(super) fn spawn(
     let triangles = (1..corners.len() as u32 - 1).map(|i| [0, i, i + 1]).collect();
     let data = MeshData { positions: corners, triangles, ..MeshData::default() };
     // Behind all shapes of the file.
-    let place = (Order(u32::MAX), JsonPath(GROUND.into()), Name("ground".into()));
+    let names = (Order(u32::MAX), JsonPath("the ground".into()), Name("ground".into()));
     let mesh = Mesh { data, ..Mesh::default() };
     let mut ground = EntityBuilder::new();
-    ground.add_bundle(place).add_bundle((material, mesh, Sides::Front, Shading::Flat));
+    ground.add_bundle(names).add_bundle((Ground, material, mesh, Sides::Front, Shading::Flat));
     if is_far {
         ground.add(Transform(DAffine3::from_translation(origin)));
     }
@@ -75,14 +73,13 @@ pub(super) fn spawn(
 }
 
 /// Points around all shadows that a box casts on the plane at this height, to the right and back.
-fn shadows(lamps: &[DirectionalLight], axes: &DMat3, ends: &BoxEnds, height: f64) -> Vec<DVec2> {
+fn shadows(lamps: &[DirectionalLight], axes: &DMat3, ends: Ends, height: f64) -> Vec<DVec2> {
     let slopes: Vec<DVec2> = lamps.iter().flat_map(|lamp| slopes(lamp, axes)).collect();
-    let of = |i: u32| {
-        let corner = corner(ends, i);
+    let of = |corner: DVec3| {
         let above = corner.y - height;
         slopes.iter().map(move |slope| corner.xz() + *slope * above).chain([corner.xz()])
     };
-    (0..8).flat_map(of).collect()
+    corners(ends).into_iter().flat_map(of).collect()
 }
 
 /// The horizontal displacement of a lamp's light, to the right and back, while it falls by 1: along
@@ -157,7 +154,7 @@ mod tests {
             sampling: Sampling::Sobol,
             samples: 1,
         };
-        let found = shadows(&[lamp], &DMat3::IDENTITY, &(DVec3::ZERO, DVec3::ONE), 0.0);
+        let found = shadows(&[lamp], &DMat3::IDENTITY, [DVec3::ZERO, DVec3::ONE], 0.0);
         let most = found.iter().map(|p| p.x).fold(0.0, f64::max);
         // The lower edge of the lamp, from the top of the box.
         let edge = 1.0 + (libm::atan(0.75) + 5_f64.to_radians()).tan();

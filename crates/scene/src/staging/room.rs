@@ -9,9 +9,10 @@
 
 use glam::DVec3;
 
+use super::Scenery;
 use super::grid::{COLUMNS, ColumnHits, Grid, across};
-use super::{BoxEnds, Scenery};
 use crate::options::framing::Up;
+use crate::systems::bounds::Ends;
 
 /// Largest distance of a wall from the end of the box, as a share of the room's length.
 const WALL_DEPTH: f64 = 0.1;
@@ -124,7 +125,7 @@ pub(super) fn find(grid: &Grid, contents: &Scenery<'_>, up: Up) -> Option<Room> 
 
 /// Whether everything is near the walls.
 fn is_empty(contents: &Scenery<'_>) -> bool {
-    let (low, high) = contents.ends;
+    let [low, high] = contents.ends;
     let is_near = |point: DVec3| {
         let share = (point - low) / (high - low);
         share.min(1.0 - share).min_element() <= FURNITURE_DEPTH
@@ -155,7 +156,7 @@ fn is_furnished(grid: &Grid) -> bool {
 }
 
 /// The view from one end of the longer axis to the other, along the freest line near the middle.
-pub(super) fn inside(grid: &Grid, &(low, high): &BoxEnds, upward: DVec3) -> Room {
+pub(super) fn inside(grid: &Grid, &[low, high]: &Ends, upward: DVec3) -> Room {
     let size = high - low;
     let vertical = upward.abs().max_position();
     let across = across(vertical);
@@ -168,13 +169,13 @@ pub(super) fn inside(grid: &Grid, &(low, high): &BoxEnds, upward: DVec3) -> Room
         &grid.along(long)[row * COLUMNS + column]
     };
     // Of equally long lines, the one nearest to the middle.
-    let mut places: Vec<usize> = (COLUMNS / 3..COLUMNS - COLUMNS / 3).collect();
-    places.sort_by_key(|at| (2 * at + 1).abs_diff(COLUMNS));
+    let mut lines: Vec<usize> = (COLUMNS / 3..COLUMNS - COLUMNS / 3).collect();
+    lines.sort_by_key(|at| (2 * at + 1).abs_diff(COLUMNS));
     let way = |at: usize| free(column(at));
     let length = |[from, to]: [f64; 2]| to - from;
     let longest =
         |best: usize, at: usize| if length(way(at)) > length(way(best)) { at } else { best };
-    let at = places.into_iter().reduce(longest).unwrap_or(COLUMNS / 2);
+    let at = lines.into_iter().reduce(longest).unwrap_or(COLUMNS / 2);
     let [from, to] = way(at);
     let mut share = DVec3::splat(height);
     share[side] = (at as f64 + 0.5) / COLUMNS as f64;

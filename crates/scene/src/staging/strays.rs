@@ -4,7 +4,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{BoxEnds, EMPTY, Placed, Scenery, joined, shown};
+use super::{MeshInstance, Scenery, shown};
+use crate::systems::bounds::{EMPTY, Ends, joined};
 
 /// Largest share of the number and of the area of triangles that stray parts have.
 const FEW: f64 = 0.01;
@@ -25,7 +26,7 @@ const STEPS: usize = 16;
 struct Part {
     count: usize,
     area: f64,
-    ends: BoxEnds,
+    ends: Ends,
 }
 
 impl Part {
@@ -46,8 +47,9 @@ impl Part {
                 false => Self::NONE,
             }
         };
-        let of = |placed: &Placed<'_>| {
-            let triangles = placed.triangles.par_iter().map(|&triangle| placed.corners(triangle));
+        let of = |instance: &MeshInstance<'_>| {
+            let triangles =
+                instance.triangles.par_iter().map(|&triangle| instance.corners(triangle));
             triangles.map(one).reduce(|| Self::NONE, Self::with)
         };
         contents.all.iter().map(of).fold(Self::NONE, Self::with)
@@ -75,23 +77,23 @@ pub(super) fn hide(contents: &mut Scenery<'_>) -> usize {
     if strays.count == 0 || !are_few || strays.area > SMALL * rest.area || !is_far {
         return 0;
     }
-    for placed in &mut contents.all {
-        placed.seen = shown(placed.points, placed.triangles, |triangle| {
-            touches(&placed.corners(triangle), &near)
+    for instance in &mut contents.all {
+        instance.seen = shown(instance.points, instance.triangles, |triangle| {
+            touches(&instance.corners(triangle), &near)
         });
     }
     strays.count
 }
 
 /// The ends of the box around most points. `None` where not all of them have triangles.
-fn most(contents: &Scenery<'_>) -> Option<BoxEnds> {
-    if contents.all.iter().any(|placed| placed.triangles.is_empty()) {
+fn most(contents: &Scenery<'_>) -> Option<Ends> {
+    if contents.all.iter().any(|instance| instance.triangles.is_empty()) {
         return None;
     }
-    let count: usize = contents.all.iter().map(|placed| placed.triangles.len()).sum();
+    let count: usize = contents.all.iter().map(|instance| instance.triangles.len()).sum();
     let step = count.div_ceil(SAMPLES).max(1);
-    let of = |placed: &Placed<'_>| -> Vec<DVec3> {
-        placed.triangles.iter().step_by(step).map(|one| placed.corners(*one)[0]).collect()
+    let of = |instance: &MeshInstance<'_>| -> Vec<DVec3> {
+        instance.triangles.iter().step_by(step).map(|one| instance.corners(*one)[0]).collect()
     };
     let points: Vec<DVec3> = contents.all.iter().flat_map(of).collect();
     let skipped = (points.len() as f64 * OUTERMOST) as usize;
@@ -99,30 +101,30 @@ fn most(contents: &Scenery<'_>) -> Option<BoxEnds> {
     for axis in 0..3 {
         let mut along: Vec<f64> = points.iter().map(|point| point[axis]).collect();
         along.sort_by(f64::total_cmp);
-        ends.0[axis] = *along.get(skipped)?;
-        ends.1[axis] = *along.get(along.len() - 1 - skipped)?;
+        ends[0][axis] = *along.get(skipped)?;
+        ends[1][axis] = *along.get(along.len() - 1 - skipped)?;
     }
     Some(ends)
 }
 
-fn ends_of(corners: &[DVec3; 3]) -> BoxEnds {
-    corners.iter().fold(EMPTY, |ends, &corner| joined(ends, (corner, corner)))
+fn ends_of(corners: &[DVec3; 3]) -> Ends {
+    corners.iter().fold(EMPTY, |ends, &corner| joined(ends, [corner; 2]))
 }
 
 /// The longest side of a box.
-fn length((low, high): &BoxEnds) -> f64 {
+fn length([low, high]: &Ends) -> f64 {
     (*high - *low).max_element()
 }
 
 /// The box with free space around it.
-fn grown(ends: BoxEnds) -> BoxEnds {
+fn grown(ends: Ends) -> Ends {
     let gap = DVec3::splat(GAP * length(&ends));
-    (ends.0 - gap, ends.1 + gap)
+    [ends[0] - gap, ends[1] + gap]
 }
 
 /// Whether the box around a triangle touches another.
-fn touches(corners: &[DVec3; 3], (low, high): &BoxEnds) -> bool {
-    let (from, to) = ends_of(corners);
+fn touches(corners: &[DVec3; 3], [low, high]: &Ends) -> bool {
+    let [from, to] = ends_of(corners);
     from.cmple(*high).all() && to.cmpge(*low).all()
 }
 

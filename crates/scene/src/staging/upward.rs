@@ -64,7 +64,7 @@ const TERRAIN_COVERS: f64 = 0.6;
 
 /// The up axis, y or z; and the reason if it is not the `usual` one.
 pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Option<&'static str>) {
-    let size = contents.ends.1 - contents.ends.0;
+    let size = contents.ends[1] - contents.ends[0];
     let (own, (other, axis)) = match usual {
         Up::Z => (2, (Up::Y, 1)),
         _ => (1, (Up::Z, 2)),
@@ -148,7 +148,7 @@ fn support(contents: &Scenery<'_>, size: DVec3, axis: usize, depth: f64) -> f64 
     });
     let none = [None; SIDES];
     let of = |point: DVec3| {
-        let from = point - contents.ends.0;
+        let from = point - contents.ends[0];
         let at = DVec2::new(from[sides[0]] / size[sides[0]], from[sides[1]] / size[sides[1]]);
         if from[axis] <= depth * size[axis] { [Some(at); SIDES] } else { none }
     };

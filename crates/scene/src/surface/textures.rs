@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use glam::DVec3;
 use serde_json::json;
 
-use super::source::TextureSource;
 use crate::folder::translated;
 use crate::format::{Cursor, Declaration, Declared, Key, Object, Range, Writer, keys, words};
+use crate::texture_source::TextureSource;
 use wavecrest_base::error::{ErrorKind, Result};
 
 pub use wavecrest_core::kernels::texture::{Filter, Wrap};
@@ -161,8 +161,7 @@ fn placing(object: &Object<'_>) -> Result<Option<Placing>> {
         return Ok(None);
     }
     let cursor = object.need("uvtransform", what)?;
-    let rows = cursor.each(what, |row| row.numbers::<3>(what, Range::COORDINATE))?;
-    let rows = rows.try_into().map_err(|_| cursor.error(format!("must be {what}")))?;
+    let rows = cursor.exactly(what, |row| row.numbers(what, Range::COORDINATE))?;
     Ok(Some(Placing(rows)))
 }
 

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use hecs::World;
 
+use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::visibility::{Source, Visibility};
-use crate::surface::{SurfaceColumns, SurfaceComponents};
+use crate::components::Ground;
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Appearance, Class, LazyImage, MeshAttributes, Property, Shape};
@@ -22,15 +23,18 @@ pub(super) fn run(
 ) -> Appearance {
     drop_unused(world, plan.schedule(), &classes, &mut meshes);
     let (mut paths, mut names) = (Vec::new(), Vec::new());
-    let mut shapes = Vec::new();
+    let (mut shapes, mut ground) = (Vec::new(), None);
     let surfaces = world.view::<SurfaceColumns<'_>>();
     for (source, shape) in world.query::<(&Source, &Shape)>().iter() {
         let SurfaceComponents { place, name, .. } = SurfaceComponents::of(&surfaces, source.0);
+        if world.satisfies::<&Ground>(source.0) {
+            ground = Some(shapes.len());
+        }
         paths.push(place.to_owned());
         names.push(name.map(|name| name.0.clone()));
         shapes.push(shape.clone());
     }
-    Appearance { shapes, classes, paths, names, images, cutouts, meshes }
+    Appearance { shapes, classes, paths, names, ground, images, cutouts, meshes }
 }
 
 /// Drops normals and colours of meshes that are not in view, unless the schedule requires them, and texture

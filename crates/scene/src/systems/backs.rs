@@ -73,6 +73,6 @@ pub(super) fn test_rays(scene: &PreparedScene) -> impl Iterator<Item = usize> {
 /// Evenly spaced pixels along a side, from the middle to the end, then from there to the start.
 fn middle_first(side: u32) -> impl Iterator<Item = u32> {
     let count = side.min(RAYS);
-    let place = move |i| ((u64::from(i) * 2 + 1) * u64::from(side) / u64::from(count * 2)) as u32;
-    (count / 2..count).chain((0..count / 2).rev()).map(place)
+    let pixel = move |i| ((u64::from(i) * 2 + 1) * u64::from(side) / u64::from(count * 2)) as u32;
+    (count / 2..count).chain((0..count / 2).rev()).map(pixel)
 }

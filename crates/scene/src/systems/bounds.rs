@@ -7,7 +7,24 @@ use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::prepared::PreparedScene;
 
-use crate::staging::GROUND;
+/// The lowest and the highest coordinates in a box.
+pub(crate) type Ends = [DVec3; 2];
+
+/// Those of the empty box.
+pub(crate) const EMPTY: Ends = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+
+/// The box around two boxes.
+pub(crate) fn joined([low, high]: Ends, [other_low, other_high]: Ends) -> Ends {
+    [low.min(other_low), high.max(other_high)]
+}
+
+/// The corners of a box: the one with number i is at the high end of each axis whose bit is set in i.
+pub(crate) fn corners([low, high]: Ends) -> [DVec3; 8] {
+    std::array::from_fn(|i| {
+        let is_high = |axis: usize| i >> axis & 1 == 1;
+        DVec3::select([is_high(0), is_high(1), is_high(2)].into(), high, low)
+    })
+}
 
 /// The smallest box around points; [`Aabb::EMPTY`] without points.
 pub(super) fn around(points: &[Vec3]) -> Aabb {
@@ -25,25 +42,26 @@ pub fn of(geometry: &Geometry) -> Option<[DVec3; 2]> {
 /// As [`of`], of what a file has: without the ground that is added to files without lights.
 pub fn of_file(scene: &PreparedScene) -> Option<[DVec3; 2]> {
     let (geometry, appearance) = (scene.accel.geometry(), &scene.appearance);
-    let mut shapes = appearance.shapes.iter().zip(&appearance.paths);
-    let Some((ground, _)) = shapes.find(|(_, place)| *place == GROUND) else { return of(geometry) };
+    let Some(ground) = appearance.ground else { return of(geometry) };
+    let ground = &appearance.shapes[ground].primitives;
     let meshes = (0..(geometry.own() - geometry.quadrics.len()) as u32).into_par_iter();
-    let own = meshes.filter(|number| !ground.primitives.contains(number));
+    let own = meshes.filter(|number| !ground.contains(number));
     let own = own.map(|number| geometry.bounds(number)).reduce(|| Aabb::EMPTY, Aabb::union);
     with_others(geometry, (own.low.x <= own.high.x).then(|| wide(own)))
 }
 
-fn wide(bounds: Aabb) -> [DVec3; 2] {
+/// A box in double precision.
+pub(super) fn wide(bounds: Aabb) -> Ends {
     [bounds.low.as_dvec3(), bounds.high.as_dvec3()]
 }
 
 /// The box of its own triangles and quads, with its spheres and disks, and its instances.
-fn with_others(geometry: &Geometry, own: Option<[DVec3; 2]>) -> Option<[DVec3; 2]> {
+fn with_others(geometry: &Geometry, own: Option<Ends>) -> Option<Ends> {
     let quadrics = geometry.quadrics.iter().map(|quadric| {
         let (center, half) = quadric.extent();
         [center - half, center + half]
     });
-    let prototypes: Vec<[DVec3; 2]> =
+    let prototypes: Vec<Ends> =
         geometry.prototypes.iter().map(|prototype| wide(around(&prototype.positions))).collect();
     let instances = geometry.instances.iter().map(|instance| {
         let ([low, high], to_world) = (prototypes[instance.prototype()], instance.to_world());
@@ -53,8 +71,7 @@ fn with_others(geometry: &Geometry, own: Option<[DVec3; 2]>) -> Option<[DVec3; 2
             axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
         [middle - half, middle + half]
     });
-    let both = |a: [DVec3; 2], b: [DVec3; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-    own.into_iter().chain(quadrics).chain(instances).reduce(both)
+    own.into_iter().chain(quadrics).chain(instances).reduce(joined)
 }
 
 #[cfg(test)]

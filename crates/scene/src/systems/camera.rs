@@ -4,6 +4,7 @@ use glam::DVec3;
 use hecs::World;
 use rayon::prelude::*;
 
+use super::bounds::wide;
 use crate::components::{CameraKey, CameraPath, ThinLens, View};
 use crate::query::missing;
 use wavecrest_base::error::Result;
@@ -19,7 +20,7 @@ const PINHOLE: Lens = Lens { radius: 0.0, focal: 1.0, sampling: Sampling::Random
 /// Largest number of frames that are checked one by one.
 const MOST_FRAMES: u32 = 1 << 12;
 
-/// The camera in every frame of its path, and at its own place; empty if there are too many.
+/// The camera in every frame of its path, and at its own position; empty if there are too many.
 pub(super) fn frames_of(camera: &Camera, path: Option<&Path>) -> Vec<Camera> {
     let Some(path) = path else { return vec![*camera] };
     let (first, last) = path.frames().into_inner();
@@ -68,8 +69,7 @@ fn nearest(cameras: &[Camera], geometry: &Geometry) -> f64 {
         return 0.0;
     }
     let distance = |number: u32| {
-        let bounds = geometry.bounds(number);
-        let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
+        let [low, high] = wide(geometry.bounds(number));
         let pupils = cameras.iter().map(|camera| camera.pupil().0);
         let away = pupils.map(|pupil| (low - pupil).max(pupil - high).max(DVec3::ZERO).length());
         away.fold(f64::INFINITY, f64::min)

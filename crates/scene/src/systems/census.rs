@@ -14,9 +14,9 @@ use hecs::World;
 
 use super::frame::Frame;
 use super::reach::Illuminates;
+use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::visibility::{MaterialBound, Shows, Source, Visibility};
 use crate::components::TextureRef;
-use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::light::{EmitterKind, Light};
@@ -74,12 +74,8 @@ impl Census<'_> {
             Effect::Quads => {
                 self.kind(|one| matches!(one, Primitive::Quad(_)), "quad", "rays meet no plane")
             }
-            Effect::Spheres => {
-                self.quadrics(|one| one.sphere().is_some(), "sphere", "rays meet no sphere")
-            }
-            Effect::Disks => {
-                self.quadrics(|one| one.sphere().is_none(), "disk", "rays meet no disk")
-            }
+            Effect::Spheres => self.quadrics(true, "sphere"),
+            Effect::Disks => self.quadrics(false, "disk"),
             Effect::SmoothShading => self.smooth_shading(),
             Effect::VertexColors => self.vertex_colors(),
             Effect::Textures => self.textures(),
@@ -120,21 +116,16 @@ impl Census<'_> {
     }
 
     /// The number of surfaces in view with the property `is`, or the reason for none.
-    fn surfaces(
-        &self,
-        is: impl Fn(&ShapeFacts<'_>) -> bool,
-        thing: &str,
-        none: &str,
-    ) -> (bool, String) {
+    fn surfaces(&self, is: impl Fn(&ShapeFacts<'_>) -> bool, thing: &str, none: &str) -> Found {
         let those = || self.shapes.iter().filter(|shape| shape.visibility.is_surface && is(shape));
         let all = those().count();
         let seen = those().filter(|shape| shape.visibility.faces.is_some()).count();
         let (found, reason) = count(all, thing, none);
         match (seen, all - seen) {
             (_, 0) => (found, reason),
-            (0, _) => (false, format!("{reason}, not in view")),
+            (0, _) => absent(format!("{reason}, not in view")),
             (_, unseen) => {
-                (true, format!("{}, {unseen} more not in view", count(seen, thing, "").1))
+                present(format!("{}, {unseen} more not in view", count(seen, thing, "").1))
             }
         }
     }
@@ -143,17 +134,17 @@ impl Census<'_> {
         self.lights.iter().any(|(_, illuminates)| illuminates.in_view)
     }
 
-    fn smooth_shading(&self) -> (bool, String) {
+    fn smooth_shading(&self) -> Found {
         let none = "no mesh asks for smooth shading";
         let found = self.surfaces(|shape| shape.shape.smooth, "smooth mesh", none);
         let sends_rays = self.mirrors().0 || self.transparency().0;
         if found.0 && !self.is_lit() && !sends_rays && !self.hemisphere().0 {
-            return (false, "no light and no mirror needs normals".to_owned());
+            return absent("no light and no mirror needs normals");
         }
         found
     }
 
-    fn vertex_colors(&self) -> (bool, String) {
+    fn vertex_colors(&self) -> Found {
         let none = match self.any(|shape| shape.shape.colored) {
             true => "no light reaches vertex colours",
             false => "no mesh has vertex colours",
@@ -163,7 +154,7 @@ impl Census<'_> {
         or_in_the_way(found, self.any(|shape| shape.shape.colored && shape.tints()))
     }
 
-    fn textures(&self) -> (bool, String) {
+    fn textures(&self) -> Found {
         let has_any = self.world.query::<&TextureRef>().iter().next().is_some();
         let none = match (has_any, self.is_lit() || self.has_ambient()) {
             (false, _) => "no shape has a texture",
@@ -174,7 +165,7 @@ impl Census<'_> {
         or_in_the_way(found, self.any(|shape| shape.surface.texture.is_some() && shape.tints()))
     }
 
-    fn cut_outs(&self) -> (bool, String) {
+    fn cut_outs(&self) -> Found {
         let is = |shape: &ShapeFacts<'_>| shape.surface.cut_out.is_some();
         let none = match self.any(|shape| shape.visibility.is_surface_met() && is(shape)) {
             true => "no image of a cut-out has a transparent texel",
@@ -187,7 +178,7 @@ impl Census<'_> {
         or_in_the_way(found, self.any(|shape| shape.visibility.has_holes))
     }
 
-    fn lights(&self, kind: EmitterKind) -> (bool, String) {
+    fn lights(&self, kind: EmitterKind) -> Found {
         let thing = kind.name();
         let those = || self.lights.iter().filter(|(light, _)| light.emitter.kind() == kind);
         let all = those().count();
@@ -210,20 +201,31 @@ impl Census<'_> {
     }
 }
 
+/// Whether an effect is present, and the reason.
+type Found = (bool, String);
+
+fn present(reason: impl Into<String>) -> Found {
+    (true, reason.into())
+}
+
+fn absent(reason: impl Into<String>) -> Found {
+    (false, reason.into())
+}
+
 /// What is `found` in view, or else is met by shadow rays.
-fn or_in_the_way((found, reason): (bool, String), is_met: bool) -> (bool, String) {
+fn or_in_the_way((found, reason): Found, is_met: bool) -> Found {
     match found || !is_met {
         true => (found, reason),
-        false => (true, format!("{reason}, but in the way of light")),
+        false => present(format!("{reason}, but in the way of light")),
     }
 }
 
 /// `n` of a thing, or the reason for none.
-fn count(n: usize, thing: &str, none: &str) -> (bool, String) {
+fn count(n: usize, thing: &str, none: &str) -> Found {
     match n {
-        0 => (false, none.to_owned()),
-        1 => (true, format!("1 {thing}")),
-        n => (true, format!("{n} {}", plural(thing))),
+        0 => absent(none),
+        1 => present(format!("1 {thing}")),
+        n => present(format!("{n} {}", plural(thing))),
     }
 }
 

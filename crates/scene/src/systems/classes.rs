@@ -4,12 +4,11 @@ use std::collections::HashMap;
 
 use hecs::World;
 
+use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::textures::Images;
 use super::visibility::{Shows, Source, Visibility};
 use crate::components::{TextureRef, Transparency};
-use crate::surface::{
-    EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP, SurfaceColumns, SurfaceComponents,
-};
+use crate::surface::{EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::transmission;
 use wavecrest_core::plan::schedule::{Schedule, Step};

@@ -13,16 +13,17 @@ use std::collections::HashMap;
 use glam::{DAffine3, DVec3, Vec3};
 use hecs::{Entity, World};
 
-use super::bounds::around;
+use super::bounds::{around, wide};
 use super::frame::Frame;
 use super::geometry::is_varied;
 use super::materials::mirrored;
 use super::placement::{ShapeGeometry, ShapeInstance};
 use super::reach::{BEHIND, Extent};
+use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::textures::Images;
 use crate::components::{DirectionalLight, Disk, Mesh, PointLight, Sky, Sphere, Transparency};
 use crate::corners::unit;
-use crate::surface::{OPACITY_MAP, SurfaceColumns, SurfaceComponents};
+use crate::surface::OPACITY_MAP;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::camera::Camera;
@@ -204,7 +205,7 @@ impl Hull {
 
 /// The lowest n . p of the points p of a box, for a normal n.
 fn bottom(bounds: &Aabb, normal: DVec3) -> f64 {
-    let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
+    let [low, high] = wide(*bounds);
     DVec3::select(normal.cmpgt(DVec3::ZERO), low, high).dot(normal)
 }
 

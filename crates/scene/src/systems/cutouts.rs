@@ -11,12 +11,12 @@ use hecs::World;
 use rayon::prelude::*;
 
 use super::geometry::Arrays;
+use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::textures::{lazy, placing};
 use super::visibility::{Source, Visibility};
 use crate::components::{Channels, CutOut, Encoding, LookUp, TextureRef, TextureSource};
 use crate::image_file::{Head, range};
 use crate::mesh::MeshData;
-use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
@@ -88,7 +88,7 @@ fn cutout(
 ) -> Cutout {
     let alphas = alphas(shape, meshes);
     let mesh = attributes(shape, meshes).and_then(|attributes| {
-        let none = || alphas.map(|_| Arc::new(CornerValues { values: Vec::new(), indices: None }));
+        let none = || alphas.map(|_| Arc::new(CornerValues::default()));
         Some(MeshUvs {
             first_triangle: attributes.first_triangle,
             first_position: attributes.first_position,
@@ -116,10 +116,10 @@ const TRIED: u32 = 32;
 pub(crate) fn left(mesh: &MeshData, found: &CutOut, images: &mut Masks) -> Option<Vec<[u32; 3]>> {
     images.add(found, "").ok()?;
     let image = images.of(found)?.image.get().ok()?;
-    let &LookUp { filter, wrap, placing: placed, .. } = found.look_up.as_ref()?;
+    let &LookUp { filter, wrap, placing: change, .. } = found.look_up.as_ref()?;
     let shows = |uv: Vec2| {
         let uv = uv.to_array();
-        let uv = placed.map_or(uv, |placed| placing(placed).apply(uv));
+        let uv = change.map_or(uv, |change| placing(change).apply(uv));
         image.look_up(uv, filter, wrap).x >= found.threshold as f32
     };
     let uvs = mesh.uvs.as_ref()?;
@@ -199,10 +199,8 @@ impl<'a> Masks<'a> {
     }
 
     fn of(&self, found: &CutOut) -> Option<&AlphaImage> {
-        let is_it = |(source, is_mask): &ImageKey| {
-            found.look_up.as_ref().is_some_and(|look_up| *source == look_up.source)
-                && *is_mask == found.is_mask
-        };
+        let wanted = &found.look_up.as_ref()?.source;
+        let is_it = |(source, is_mask): &ImageKey| source == wanted && *is_mask == found.is_mask;
         self.known.iter().find(|(key, _)| is_it(key))?.1.as_ref()
     }
 

@@ -1,4 +1,4 @@
-//! The frame: the origin of the coordinates of a render, and the places of its camera.
+//! The frame: the origin of the coordinates of a render, and the positions of its camera.
 //!
 //! Single precision has 24 bits for a coordinate. Far from the origin few of them are left for the
 //! visible part, so such scenes are moved to the camera (camera-relative coordinates: Pharr, Jakob
@@ -57,11 +57,11 @@ pub fn origin(view: &View) -> DVec3 {
     if far { nearest(view.location, distance) } else { DVec3::ZERO }
 }
 
-/// The multiple of the next greater power of two that is nearest to `place`.
-pub(super) fn nearest(place: DVec3, distance: f64) -> DVec3 {
+/// The multiple of the next greater power of two that is nearest to `point`.
+pub(super) fn nearest(point: DVec3, distance: f64) -> DVec3 {
     let (_, exponent) = libm::frexp(distance);
     let step = libm::ldexp(1.0, exponent);
-    (place / step).round() * step
+    (point / step).round() * step
 }
 
 #[cfg(test)]

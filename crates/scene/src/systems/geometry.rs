@@ -2,9 +2,9 @@
 //!
 //! Shapes keep the order of the file within their kind, and shapes of lights come last. Meshes are
 //! moved, not copied: the first one's arrays become the scene's, are extended once, and receive the
-//! others, each of which is dropped before the next. A mesh with two places or more is stored once, in its own
-//! space, and becomes a prototype with [`instances`]. Other prototypes are a few numbers, and a mesh with one
-//! place is best stored there: these become primitives of the scene's own. So do shapes of lights, whose
+//! others, each of which is dropped before the next. A mesh that is shown twice or more is stored once, in its own
+//! space, and becomes a prototype with [`instances`]. Other prototypes are a few numbers, and a mesh that is shown
+//! once is best stored in world space: these become primitives of the scene's own. So do shapes of lights, whose
 //! triangles are sampled, and transparent ones, all of which a shadow ray must find.
 
 mod builder;
@@ -17,9 +17,9 @@ use std::ops::Range;
 use hecs::World;
 
 use super::frame::Frame;
+use super::lights::ShapeEmitter;
 use super::placement::ShapeInstance;
 use super::visibility::{MaterialBound, Source, Visibility};
-use crate::lights::ShapeEmitter;
 use builder::GeometryBuilder;
 pub(crate) use builder::is_varied;
 use meshes::Meshes;

@@ -1,11 +1,12 @@
 //! Lights: emitters with sampling data, in the order of the file.
 
+mod emitters;
+
 use hecs::{Entity, World};
 
 use super::frame::Frame;
 use super::reach::Illuminates;
 use crate::components::Order;
-use crate::lights::SYSTEMS;
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::geometry::Geometry;
@@ -13,24 +14,28 @@ use wavecrest_core::kernels::camera;
 use wavecrest_core::kernels::light::Light;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 
+pub(super) use emitters::ShapeEmitter;
+
 /// The entity that a light is made of.
 #[derive(Clone, Copy, Debug)]
 struct LightSource(Entity);
 
 /// Spawns an entity for each light, in the order of the file, moved like its shapes.
 pub(crate) fn run(world: &mut World, frame: &Frame, geometry: &Geometry) -> Result<()> {
-    let mut found: Vec<(Order, Entity, Light)> = Vec::new();
-    for system in SYSTEMS {
-        found.extend(system(world, frame, geometry)?.into_iter().map(|(entity, light)| {
-            // Ambient light comes after the lights of the file, whose random numbers it leaves as they are.
-            let order = world.get::<&Order>(entity).map_or(Order(u32::MAX), |order| *order);
-            (order, entity, light)
-        }));
-    }
-    found.sort_by_key(|(order, ..)| *order);
+    let (points, areas) = (emitters::points(world, frame), emitters::areas(world, frame)?);
+    let directional = emitters::directional(world, frame, geometry);
+    let mut found: Vec<(Entity, Light)> =
+        [points, directional, areas, emitters::skies(world, geometry)]
+            .into_iter()
+            .flatten()
+            .collect();
+    // Ambient light comes after the lights of the file, whose random numbers it leaves as they are.
+    found.sort_by_key(|(entity, _)| {
+        world.get::<&Order>(*entity).map_or(Order(u32::MAX), |order| *order)
+    });
     let lights = found.into_iter();
     world.spawn_batch(
-        lights.map(|(_, entity, light)| (LightSource(entity), light, Illuminates::default())),
+        lights.map(|(entity, light)| (LightSource(entity), light, Illuminates::default())),
     );
     Ok(())
 }

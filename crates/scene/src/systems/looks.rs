@@ -3,32 +3,22 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use hecs::{Entity, World};
+use hecs::{Entity, Without, World};
 
 use crate::components::{
-    Channels, Encoding, Filter, InstanceOf, JsonPath, LookUp, Maps, Material, Mesh, TextureRef,
+    Channels, Encoding, Filter, Ground, InstanceOf, LookUp, Maps, Material, Mesh, TextureRef,
     TextureSource, Wrap,
 };
 use crate::query::{change, remove};
-use crate::staging::GROUND;
 
 /// The reflectance of clay.
 const CLAY: DVec3 = DVec3::splat(0.5);
 
-/// The ground added to a file without lights, which is no part of the file.
-pub fn ground(world: &World) -> Option<Entity> {
-    let mut all = world.query::<(Entity, &JsonPath)>();
-    all.iter().find(|(_, path)| path.0 == GROUND).map(|(entity, _)| entity)
-}
-
 /// Gives every surface one matte grey, and no texture or other colour; except an added ground, whose
 /// edge would show.
 pub fn clay(world: &mut World) {
-    let ground = ground(world);
-    for (entity, material) in world.query_mut::<(Entity, &mut Material)>() {
-        if Some(entity) != ground {
-            *material = Material { diffuse_color: CLAY, ..Material::MATTE };
-        }
+    for material in world.query_mut::<Without<&mut Material, &Ground>>() {
+        *material = Material { diffuse_color: CLAY, ..Material::MATTE };
     }
     change(world, |mesh: &mut Mesh| mesh.data.colors = None);
     remove::<TextureRef>(world);

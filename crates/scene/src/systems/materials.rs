@@ -4,9 +4,9 @@ use glam::Vec3;
 use hecs::World;
 
 use super::frame::Frame;
+use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::visibility::{MaterialBound, Source, Visibility};
 use crate::components::{self, Maps, Transparency};
-use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
 use wavecrest_core::prepared::Shape;

@@ -3,15 +3,15 @@
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::{Entity, Satisfies, World};
 
+use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::visibility::{Shows, Visibility};
 use crate::components::{
     Channels, Disk, Facing, Hidden, InstanceOf, Map, Material, Mesh, Order, Quad, Shading, Sides,
     Sphere, TextureRef, Transform, Transparency, Triangle,
 };
 use crate::corners::{quad_normal, triangle_normal};
-use crate::image_file::has_alpha;
+use crate::image_file::Head;
 use crate::mesh::MAX_COUNT;
-use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::math::float::MAX_COORDINATE;
@@ -29,7 +29,7 @@ pub(crate) enum ShapeGeometry {
 }
 
 impl ShapeGeometry {
-    /// The place of its kind among those of primitives: triangles, quads, and those of curves.
+    /// The number of its kind in the order of primitives: triangles, quads, and quadrics.
     pub(super) fn kind(&self) -> u8 {
         match self {
             Self::Triangle(_) | Self::Mesh => 0,
@@ -159,8 +159,10 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
 /// Whether light may go through a surface, as far as the headers of images tell, or paths are split there all the
 /// same: at a faint mirror.
 pub(crate) fn may_be_transparent(surface: &SurfaceComponents<'_>) -> bool {
+    // A header that cannot be read is reported when the scene is prepared.
     let may_vary = |texture: &TextureRef| {
-        texture.channels == Channels::Color || has_alpha(&texture.look_up.source)
+        texture.channels == Channels::Color
+            || Head::of(&texture.look_up.source).map_or(true, |head| head.has_alpha)
     };
     let opacity = surface.maps.opacity.as_ref().and_then(|map| map.texture.as_ref());
     surface.transparency.is_some_and(Transparency::has_effect)
@@ -213,7 +215,7 @@ impl ShapeInstance {
     /// # Errors
     /// If it is too far away for single precision, or its radius is too small. Boxes of too large
     /// ones would have infinite area and make the tree's costs meaningless.
-    pub(crate) fn circle(&self, shape: &str, center: DVec3, radius: f64) -> Result<Circle> {
+    pub(super) fn circle(&self, shape: &str, center: DVec3, radius: f64) -> Result<Circle> {
         let center = self.transform.transform_point3(center);
         let turn = self.transform.matrix3;
         let scale = turn.x_axis.length();

@@ -8,6 +8,7 @@
 use glam::{DVec3, Vec3};
 use hecs::World;
 
+use super::bounds::wide;
 use super::visibility::{Faces, MaterialBound, Source, Visibility};
 use crate::components::TextureRef;
 use wavecrest_core::geometry::{Geometry, Primitive};
@@ -231,7 +232,7 @@ impl Extent {
     }
 
     pub(super) fn of_box(bounds: &Aabb) -> Self {
-        let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
+        let [low, high] = wide(*bounds);
         let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
         Self { half, ..Self::around(center, 0.0) }
     }

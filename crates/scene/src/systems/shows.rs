@@ -5,13 +5,12 @@ use hecs::World;
 
 use super::frame::Frame;
 use super::lights;
+use super::sky::hemisphere;
+use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::textures::Images;
 use super::visibility::{Faces, MaterialBound, Shows, Source, Visibility};
 use crate::components::{Filter, Map, Maps, TextureRef};
-use crate::lights::hemisphere;
-use crate::surface::{
-    EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP, SurfaceColumns, SurfaceComponents,
-};
+use crate::surface::{EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;

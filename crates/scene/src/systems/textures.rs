@@ -47,7 +47,7 @@ impl Images {
         (place, key): (&str, &str),
         map: UvMap,
     ) -> Texture {
-        let LookUp { wrap, placing: placed, .. } = &reference.look_up;
+        let LookUp { wrap, placing: change, .. } = &reference.look_up;
         let filter = self.filter(reference);
         let number = *self.numbers.entry(texel_source(reference)).or_insert_with(|| {
             self.all.push((reference.clone(), format!("{place}.{key}")));
@@ -56,7 +56,7 @@ impl Images {
         if filter == Filter::Trilinear {
             self.all[number as usize].0.look_up.filter = filter;
         }
-        let (wrap, placing) = (*wrap, placed.map(placing));
+        let (wrap, placing) = (*wrap, change.map(placing));
         Texture { image: number, filter, wrap, coordinates: Coordinates { map, placing } }
     }
 

@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use super::backs::test_rays;
-use crate::staging::GROUND;
 use wavecrest_base::error::{Error, ErrorKind};
 use wavecrest_core::prepared::PreparedScene;
 
@@ -33,19 +32,18 @@ pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
 
 /// Whether a test ray meets anything but the ground, or there is nothing else.
 fn sees_some(scene: &PreparedScene) -> bool {
-    let paths = &scene.appearance.paths;
-    let is_own = |place: &String| place != GROUND;
-    !paths.iter().any(is_own) || test_rays(scene).any(|shape| is_own(&paths[shape]))
+    let is_own = |shape: usize| Some(shape) != scene.appearance.ground;
+    !(0..scene.appearance.shapes.len()).any(is_own) || test_rays(scene).any(is_own)
 }
 
 /// The number of triangles much farther from the middle than nearly all.
 fn outliers(scene: &PreparedScene) -> usize {
     let geometry = scene.accel.geometry();
     let corner = |triangle: &[u32; 3]| geometry.positions[triangle[0] as usize];
-    let shapes = scene.appearance.shapes.iter().zip(&scene.appearance.paths);
+    let shapes = scene.appearance.shapes.iter().enumerate();
     let mut corners: Vec<Vec3> = shapes
-        .filter(|(_, place)| *place != GROUND)
-        .flat_map(|(shape, _)| shape.primitives.clone())
+        .filter(|(number, _)| Some(*number) != scene.appearance.ground)
+        .flat_map(|(_, shape)| shape.primitives.clone())
         .filter_map(|number| geometry.triangles.get(number as usize))
         .map(corner)
         .collect();

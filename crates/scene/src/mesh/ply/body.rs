@@ -182,7 +182,7 @@ impl Body {
 }
 
 fn attribute<T>(values: Vec<T>) -> Option<Attribute<T>> {
-    (!values.is_empty()).then_some(Attribute { values, indices: None })
+    (!values.is_empty()).then_some(values.into())
 }
 
 /// Checks that the file is long enough for the declared rows.

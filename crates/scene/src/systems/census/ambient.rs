@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 
-use super::{Census, ShapeFacts};
+use super::{Census, Found, ShapeFacts, absent, present};
 use crate::components::Environment;
-use crate::environment::EvenColor;
-use crate::lights::hemisphere;
+use crate::systems::environment::EvenColor;
 use crate::systems::lights;
+use crate::systems::sky::hemisphere;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::light::EmitterKind;
 
@@ -29,40 +29,36 @@ impl Census<'_> {
         self.has_ambient() && self.any(|shape| is_seen(shape) && is_scattered(shape))
     }
 
-    pub(super) fn hemisphere(&self) -> (bool, String) {
+    pub(super) fn hemisphere(&self) -> Found {
         match hemisphere(self.world) {
-            None => (false, "ambient light is the same from all sides".to_owned()),
-            Some(light) if light.is_black() => (false, "ambient light is black".to_owned()),
+            None => absent("ambient light is the same from all sides"),
+            Some(light) if light.is_black() => absent("ambient light is black"),
             Some(_) if !self.shows_ambient() && !self.mirrors().0 && !self.transparency().0 => {
-                (false, "no surface in view shows it".to_owned())
+                absent("no surface in view shows it")
             }
-            Some(_) => (true, "ambient light by the normal".to_owned()),
+            Some(_) => present("ambient light by the normal"),
         }
     }
 
-    pub(super) fn occlusion(&self) -> (bool, String) {
+    pub(super) fn occlusion(&self) -> Found {
         match (hemisphere(self.world), self.lights(EmitterKind::Sky)) {
-            (Some(light), _) if !light.traced => {
-                (false, "nothing is in the way of ambient light".to_owned())
-            }
-            (Some(_), (true, _)) => (true, "rays look for what is in its way".to_owned()),
+            (Some(light), _) if !light.traced => absent("nothing is in the way of ambient light"),
+            (Some(_), (true, _)) => present("rays look for what is in its way"),
             (_, found) => found,
         }
     }
 
-    pub(super) fn environment(&self) -> (bool, String) {
+    pub(super) fn environment(&self) -> Found {
         let mut found = self.world.query::<(&Environment, Option<&EvenColor>)>();
         match found.iter().next() {
-            None => (false, "the scene has no environment".to_owned()),
-            Some((around, _)) if !around.is_bright() => {
-                (false, "the environment is black".to_owned())
-            }
+            None => absent("the scene has no environment"),
+            Some((around, _)) if !around.is_bright() => absent("the environment is black"),
             // Mirrors do not show the background.
             Some((_, Some(_))) if !self.mirrors().0 && !self.transparency().0 => {
-                (false, "the environment is of one colour, as a background is".to_owned())
+                absent("the environment is of one colour, as a background is")
             }
-            Some((around, _)) if around.image.is_some() => (true, "an image all around".to_owned()),
-            Some(_) => (true, "a gradient all around".to_owned()),
+            Some((around, _)) if around.image.is_some() => present("an image all around"),
+            Some(_) => present("a gradient all around"),
         }
     }
 }

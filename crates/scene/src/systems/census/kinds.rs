@@ -1,7 +1,7 @@
 //! Kinds of primitives: those that rays may meet count.
 
-use super::{Census, count};
-use wavecrest_core::geometry::{Primitive, Quadric};
+use super::{Census, Found, count, present};
+use wavecrest_core::geometry::Primitive;
 use wavecrest_core::prepared::Shape;
 
 impl Census<'_> {
@@ -14,16 +14,11 @@ impl Census<'_> {
     }
 
     /// The number of primitives of a kind that rays may meet, or the reason for none.
-    pub(super) fn kind(
-        &self,
-        is: impl Fn(Primitive) -> bool,
-        thing: &str,
-        none: &str,
-    ) -> (bool, String) {
+    pub(super) fn kind(&self, is: impl Fn(Primitive) -> bool, thing: &str, none: &str) -> Found {
         count(self.of_kind(is).map(|shape| shape.primitives.len()).sum(), thing, none)
     }
 
-    pub(super) fn triangles(&self) -> (bool, String) {
+    pub(super) fn triangles(&self) -> Found {
         let is_own = |primitive| matches!(primitive, Primitive::Triangle(_));
         let is_shown = |primitive| matches!(primitive, Primitive::Instanced(_));
         let instances: Vec<&Shape> = self.of_kind(is_shown).collect();
@@ -41,16 +36,13 @@ impl Census<'_> {
             0 => String::new(),
             own => format!("{own}, and "),
         };
-        (true, format!("{own}{instanced} in {instances} of {meshes}; {held} are stored"))
+        present(format!("{own}{instanced} in {instances} of {meshes}; {held} are stored"))
     }
 
-    pub(super) fn quadrics(
-        &self,
-        is: fn(&Quadric) -> bool,
-        thing: &str,
-        none: &str,
-    ) -> (bool, String) {
-        let quadrics = &self.geometry.quadrics;
-        self.kind(|one| matches!(one, Primitive::Quadric(i) if is(&quadrics[i])), thing, none)
+    /// The number of spheres, or else of disks.
+    pub(super) fn quadrics(&self, are_spheres: bool, thing: &str) -> Found {
+        let is_sphere = |i: usize| self.geometry.quadrics[i].sphere().is_some();
+        let is = |one| matches!(one, Primitive::Quadric(i) if is_sphere(i) == are_spheres);
+        self.kind(is, thing, &format!("rays meet no {thing}"))
     }
 }

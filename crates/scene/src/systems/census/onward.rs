@@ -2,19 +2,19 @@
 
 use glam::Vec3;
 
-use super::{Census, ShapeFacts, or_in_the_way};
-use crate::environment;
+use super::{Census, Found, ShapeFacts, absent, or_in_the_way, present};
+use crate::systems::environment;
 use crate::systems::visibility::Faces;
 
 impl Census<'_> {
-    pub(super) fn transparency(&self) -> (bool, String) {
+    pub(super) fn transparency(&self) -> Found {
         let none = "no material lets light through";
         let found =
             self.surfaces(|shape| shape.visibility.is_transparent, "transparent shape", none);
         or_in_the_way(found, self.any(|shape| shape.visibility.lets_light_through()))
     }
 
-    pub(super) fn mirrors(&self) -> (bool, String) {
+    pub(super) fn mirrors(&self) -> Found {
         let reflects = |shape: &ShapeFacts<'_>| shape.bound.kr > 0.0;
         let none = if self.any(|shape| shape.visibility.is_surface && reflects(shape)) {
             "mirrors are seen from behind only"
@@ -28,10 +28,10 @@ impl Census<'_> {
         };
         let (found, reason) = self.surfaces(is_mirror, "mirror", none);
         match self.frame.settings.bounces {
-            _ if !found => (false, reason),
-            0 => (false, "nbounces is 0".to_owned()),
-            _ if !self.shines() => (false, "mirrors show nothing but black".to_owned()),
-            bounces => (true, format!("{reason}, nbounces {bounces}")),
+            _ if !found => absent(reason),
+            0 => absent("nbounces is 0"),
+            _ if !self.shines() => absent("mirrors show nothing but black"),
+            bounces => present(format!("{reason}, nbounces {bounces}")),
         }
     }
 

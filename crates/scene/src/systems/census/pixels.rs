@@ -1,6 +1,6 @@
 //! Several rays for a pixel: by a lens, and by antialiasing.
 
-use super::Census;
+use super::{Census, Found, absent, present};
 use crate::components::{ThinLens, View};
 use crate::systems::camera;
 use wavecrest_core::kernels::shade::HALF_LEVEL;
@@ -19,30 +19,26 @@ impl Census<'_> {
         camera::resolution(&self.frame.cameras, self.geometry).1
     }
 
-    pub(super) fn depth_of_field(&self) -> (bool, String) {
+    pub(super) fn depth_of_field(&self) -> Found {
         match self.world.query::<&ThinLens>().iter().next() {
-            Some(_) if !self.sees_any() => (false, NOTHING.to_owned()),
-            None => (false, "the camera is a pinhole".to_owned()),
-            Some(lens) if camera::radius(lens) == 0.0 => (false, "the aperture is 0".to_owned()),
+            Some(_) if !self.sees_any() => absent(NOTHING),
+            None => absent("the camera is a pinhole"),
+            Some(lens) if camera::radius(lens) == 0.0 => absent("the aperture is 0"),
             Some(_) if self.blur() < HALF_LEVEL.into() => {
-                (false, "it blurs nothing by a 510th of a pixel".to_owned())
+                absent("it blurs nothing by a 510th of a pixel")
             }
-            Some(lens) => (
-                true,
-                format!(
-                    "aperture {}, {} x {} points",
-                    lens.aperture, lens.samples_x, lens.samples_y
-                ),
-            ),
+            Some(ThinLens { aperture, samples_x: x, samples_y: y, .. }) => {
+                present(format!("aperture {aperture}, {x} x {y} points"))
+            }
         }
     }
 
-    pub(super) fn antialiasing(&self) -> (bool, String) {
+    pub(super) fn antialiasing(&self) -> Found {
         let n = self.world.query::<&View>().iter().next().map_or(1, |view| view.antialias);
         match n {
-            1 => (false, "antialias is 1".to_owned()),
-            _ if !self.sees_any() => (false, NOTHING.to_owned()),
-            n => (true, format!("{n} x {n} rays per pixel")),
+            1 => absent("antialias is 1"),
+            _ if !self.sees_any() => absent(NOTHING),
+            n => present(format!("{n} x {n} rays per pixel")),
         }
     }
 }

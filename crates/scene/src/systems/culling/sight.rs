@@ -5,13 +5,13 @@ use hecs::World;
 
 use super::{MOST_TESTS, size};
 use crate::components::Sky;
-use crate::environment;
-use crate::surface::{SurfaceColumns, SurfaceComponents};
+use crate::systems::environment;
 use crate::systems::frame::Frame;
 use crate::systems::geometry::build;
 use crate::systems::materials::mirrored;
 use crate::systems::placement::ShapeInstance;
 use crate::systems::reach::{BEHIND, Extent, is_convex, is_faced};
+use crate::systems::surface::{SurfaceColumns, SurfaceComponents};
 use crate::systems::view::visible_faces;
 use crate::systems::visibility::Faces;
 use wavecrest_base::error::Result;

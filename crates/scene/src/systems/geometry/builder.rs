@@ -8,11 +8,12 @@ use rayon::prelude::*;
 use super::meshes::{Meshes, append, transform_mesh};
 use super::tangents::tangents;
 use super::{Arrays, BuiltShape};
-use crate::components::{Mesh, Quad, Triangle};
-use crate::mesh::{Attribute, MeshData};
-use crate::systems::placement::{ShapeGeometry, ShapeInstance};
+use crate::components::{Disk, Mesh, Quad, Sphere, Triangle};
+use crate::mesh::MeshData;
+use crate::systems::placement::{Circle, ShapeGeometry, ShapeInstance};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Quadric;
+use wavecrest_core::kernels::disk;
 use wavecrest_core::kernels::texture::PlanarMap;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes, UvMap};
 
@@ -44,16 +45,24 @@ impl GeometryBuilder {
                 self.arrays.geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
                 map
             }
-            ShapeGeometry::Sphere(sphere) => self.add_quadric(sphere.in_world(instance)?),
-            ShapeGeometry::Disk(disk) => self.add_quadric(disk.in_world(instance)?),
+            ShapeGeometry::Sphere(Sphere { center, radius }) => {
+                let Circle { center, radius, turn } =
+                    instance.circle("sphere", *center, *radius)?;
+                self.arrays.geometry.quadrics.push(Quadric::Sphere(center, radius));
+                UvMap::Sphere(turn.transpose().as_mat3())
+            }
+            ShapeGeometry::Disk(Disk { center, normal, radius }) => {
+                let Circle { center, radius, turn } = instance.circle("disk", *center, *radius)?;
+                let axes = disk::Disk::axes(*normal);
+                let [u, v] = axes.map(|axis| (turn * axis).as_vec3() * radius);
+                let normal = (turn * *normal).normalize().as_vec3();
+                let disk = disk::Disk { center, normal, radius };
+                self.arrays.geometry.quadrics.push(Quadric::Disk(disk));
+                UvMap::Planar(PlanarMap::new(center - u - v, 2.0 * u, 2.0 * v))
+            }
         };
         self.shapes.push(instance.built(number..number + 1, map));
         Ok(())
-    }
-
-    fn add_quadric(&mut self, (quadric, map): (Quadric, UvMap)) -> UvMap {
-        self.arrays.geometry.quadrics.push(quadric);
-        map
     }
 
     /// Adds the corners of a flat shape. Returns the number of the first, and the map of texture coordinates.
@@ -139,10 +148,10 @@ pub(super) fn attributes(
     MeshAttributes {
         first_triangle,
         first_position,
-        normals: mesh.normals.map(corner_values),
-        uvs: mesh.uvs.map(corner_values).map(Arc::new),
-        colors: mesh.colors.map(by_position),
-        alphas: mesh.alphas.map(by_position).map(Arc::new),
+        normals: mesh.normals,
+        uvs: mesh.uvs.map(Arc::new),
+        colors: mesh.colors.map(CornerValues::from),
+        alphas: mesh.alphas.map(CornerValues::from).map(Arc::new),
         tangents,
     }
 }
@@ -151,13 +160,4 @@ pub(super) fn attributes(
 pub(super) fn has_any(mesh: &MeshAttributes) -> bool {
     let by_vertex = mesh.colors.is_some() || mesh.alphas.is_some();
     mesh.normals.is_some() || mesh.uvs.is_some() || by_vertex
-}
-
-/// Values indexed like positions.
-fn by_position<T>(values: Vec<T>) -> CornerValues<T> {
-    CornerValues { values, indices: None }
-}
-
-fn corner_values<T>(attribute: Attribute<T>) -> CornerValues<T> {
-    CornerValues { values: attribute.values, indices: attribute.indices }
 }

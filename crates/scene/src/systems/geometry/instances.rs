@@ -1,4 +1,4 @@
-//! Prototypes and their instances: meshes stored once for several places.
+//! Prototypes and their instances: meshes stored once that are shown several times.
 
 use std::collections::HashMap;
 
@@ -95,11 +95,8 @@ impl GeometryBuilder {
         first: u32,
     ) -> Result<()> {
         let to_world = instance.transform * DAffine3::from_translation(prototype.origin);
-        let Aabb { low, high } = prototype.bounds;
-        for corner in 0..8 {
-            let is_high = |axis: u32| corner >> axis & 1 == 1;
-            let corner = Vec3::select([is_high(0), is_high(1), is_high(2)].into(), high, low);
-            instance.check_point(to_world.transform_point3(corner.as_dvec3()))?;
+        for corner in bounds::corners(bounds::wide(prototype.bounds)) {
+            instance.check_point(to_world.transform_point3(corner))?;
         }
         if !to_world.inverse().is_finite() {
             let message = "the transform is singular";
@@ -123,11 +120,10 @@ impl GeometryBuilder {
 /// The new origin of a prototype, in its own space: roughly its centre, if that is far away.
 /// `points` replace its positions, if given.
 fn origin(positions: &[Vec3], points: Option<&[DVec3]>) -> DVec3 {
-    let merge = |a: [DVec3; 2], b: [DVec3; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-    let none = || [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let none = || bounds::EMPTY;
     let [low, high] = match points {
-        Some(points) => points.par_iter().map(|p| [*p; 2]).reduce(none, merge),
-        None => positions.par_iter().map(|p| [p.as_dvec3(); 2]).reduce(none, merge),
+        Some(points) => points.par_iter().map(|p| [*p; 2]).reduce(none, bounds::joined),
+        None => positions.par_iter().map(|p| [p.as_dvec3(); 2]).reduce(none, bounds::joined),
     };
     let (middle, size) = ((low + high) / 2.0, (high - low).max_element());
     let is_far = size > 0.0 && middle.abs().max_element() > FAR_FROM_ORIGIN * size;

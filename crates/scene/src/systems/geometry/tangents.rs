@@ -57,7 +57,7 @@ fn shared(found: Vec<[Vec4; 3]>, mesh: &MeshData) -> CornerValues<Vec4> {
         agrees
     });
     if is_shared {
-        return CornerValues { values, indices: None };
+        return values.into();
     }
     let indices = (0..found.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     CornerValues { values: found.into_iter().flatten().collect(), indices: Some(indices) }

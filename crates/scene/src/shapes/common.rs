@@ -5,7 +5,7 @@ use crate::format::{Declaration, Declared, Key, Object, Writer, keys, words};
 use wavecrest_base::error::Result;
 
 /// What a shape of the scene has besides geometry and surface.
-pub(crate) const PLACED: [Declaration; 5] = [
+pub(crate) const COMMON: [Declaration; 5] = [
     Declaration::of::<Name>(),
     Declaration::of::<Hidden>(),
     Declaration::of::<Transform>(),
