@@ -40,7 +40,7 @@ impl<'py> Options<'py> {
             ..api::Framing::default()
         };
         let color = self.get::<[f64; 3]>("color")?;
-        let usual = api::Lighting::USUAL;
+        let usual = api::Lighting::default();
         let rig = self.named("lights")?;
         let lighting = api::Lighting {
             replaces: rig.is_some(),

@@ -82,7 +82,7 @@ const GROUND: u32 = 2;
 
 #[test]
 fn shadow_background_and_dark_sides_are_of_different_tones() {
-    let scene = lit(Lighting::USUAL);
+    let scene = lit(Lighting::default());
     let film = image_of(&scene, 0);
     let background = srgb_encode(scene.background.y);
     let share = |levels: &[f32], share: f64| levels[(share * (levels.len() - 1) as f64) as usize];
@@ -103,7 +103,7 @@ fn shadow_background_and_dark_sides_are_of_different_tones() {
 fn the_ground_is_as_the_background_whatever_that_is() {
     for color in [[1.0, 1.0, 1.0], [0.02, 0.1, 0.4]] {
         let background = Some(Background::Color(color.into()));
-        let film = image_of(&lit(Lighting { background, ..Lighting::USUAL }), 0);
+        let film = image_of(&lit(Lighting { background, ..Lighting::default() }), 0);
         for corner in [(0, 0), (95, 0), (0, 71), (95, 71)] {
             let found = film.pixel(corner.0, corner.1).expect("a corner");
             for (found, right) in found.into_iter().zip(color) {
@@ -115,13 +115,13 @@ fn the_ground_is_as_the_background_whatever_that_is() {
 
 #[test]
 fn clay_leaves_the_ground_as_the_background() {
-    let scene = lit_after(Lighting::USUAL, systems::looks::clay);
+    let scene = lit_after(Lighting::default(), systems::looks::clay);
     let film = image_of(&scene, 0);
     let (mesh, ground) = (levels(&scene, &film, MESH), levels(&scene, &film, GROUND));
     let bare = ground[ground.len() * 19 / 20];
     let background = srgb_encode(scene.background.y);
     assert!((bare - background).abs() < 0.01, "{bare}, {background}");
-    let plain = lit(Lighting::USUAL);
+    let plain = lit(Lighting::default());
     let (dull, plain) = (mesh[mesh.len() / 2], levels(&plain, &image_of(&plain, 0), MESH));
     assert!(dull + 0.05 < plain[plain.len() / 2], "the mesh is of clay: {dull}");
 }
@@ -129,7 +129,7 @@ fn clay_leaves_the_ground_as_the_background() {
 #[test]
 fn other_lights_leave_the_ground_out_and_none_shows_colours_as_they_are() {
     let [headlight, none] =
-        [Rig::Headlight, Rig::None].map(|rig| lit(Lighting { rig, ..Lighting::USUAL }));
+        [Rig::Headlight, Rig::None].map(|rig| lit(Lighting { rig, ..Lighting::default() }));
     for scene in [&headlight, &none] {
         assert_eq!(scene.appearance.shapes.len(), 1);
     }
@@ -141,7 +141,7 @@ fn other_lights_leave_the_ground_out_and_none_shows_colours_as_they_are() {
 #[test]
 fn a_mesh_without_normals_is_smooth_up_to_the_angle_of_a_crease() {
     let smooth = |crease_degrees| {
-        let scene = lit(Lighting { crease_degrees, ..Lighting::USUAL });
+        let scene = lit(Lighting { crease_degrees, ..Lighting::default() });
         scene.appearance.shapes[0].smooth
     };
     assert!(smooth(30.0) && !smooth(0.0));
@@ -169,7 +169,7 @@ fn what_no_ray_hits_is_transparent() {
 /// They do in what mirrors or bends.
 #[test]
 fn surroundings_do_not_show_straight_before_a_transparent_background() {
-    let lighting = Lighting { background: Some(Background::Transparent), ..Lighting::USUAL };
+    let lighting = Lighting { background: Some(Background::Transparent), ..Lighting::default() };
     let options = LoadOptions { lighting, ..LoadOptions::default() };
     let even = r#"{"zenith": [1, 1, 1], "horizon": [1, 1, 1], "nadir": [1, 1, 1]}"#;
     for (around, more) in ["{}", even].into_iter().flat_map(|a| ["kr", "kt", "kd"].map(|m| (a, m)))

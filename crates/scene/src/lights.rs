@@ -35,23 +35,19 @@ pub(crate) const LIGHTS: Variants = Variants {
 };
 
 /// Warns of a light without any but its ambient part.
-fn warn_of_power(object: &Object<'_>) {
+fn warn_of_power(object: &Object<'_>, intensity: f64, color: DVec3) {
     let message =
         "is 0, so of the light only its ambient part, and its shape if it has one, are left";
-    if let Some(cursor) =
-        object.get("intensity").filter(|cursor| cursor.value().as_f64() == Some(0.0))
-    {
-        cursor.warn(message, "use a number above 0, or remove the light");
-    } else if let Some(cursor) = object.get("color")
-        && cursor.color().is_ok_and(|color| color == DVec3::ZERO)
-    {
-        cursor.warn(message, "use a colour other than black, or remove the light");
+    if intensity == 0.0 {
+        object.warn("intensity", message, "use a number above 0, or remove the light");
+    } else if color == DVec3::ZERO {
+        object.warn("color", message, "use a colour other than black, or remove the light");
     }
 }
 
 /// Warns of the intensity and the colour of a light without a shape.
-fn warn_of_strength(object: &Object<'_>) {
-    warn_of_power(object);
+fn warn_of_strength(object: &Object<'_>, intensity: f64, color: DVec3) {
+    warn_of_power(object, intensity, color);
     // The shape of an area light may well be meant to have such a colour.
     let remedy = "use a colour from 0 to 1 and a higher \"intensity\"";
     object.warn_above_1("color", "is above 1", remedy);

@@ -75,7 +75,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
 pub fn load_gltf(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     let notes = options.notes(path);
     let (world, told) = gltf::world(bytes, options, &notes)?;
-    loaded(world, notes, Some(told), mesh::load)
+    loaded(world, notes, told)
 }
 
 fn load_standalone(
@@ -85,7 +85,7 @@ fn load_standalone(
 ) -> Result<LoadedScene> {
     let notes = options.notes(path);
     let (world, told) = standalone::world(path, options, &notes, read)?;
-    loaded(world, notes, Some(told), mesh::load)
+    loaded(world, notes, told)
 }
 
 /// As [`load`], for a mesh with these arrays, treated like a PLY file: with a camera, lights and a
@@ -136,16 +136,6 @@ pub fn load_mesh(mesh: MeshData, name: &Path, options: &LoadOptions) -> Result<L
 /// # Ok::<(), wavecrest_base::error::Error>(())
 /// ```
 pub fn load_str(json: &str, file: &Path, options: &LoadOptions) -> Result<LoadedScene> {
-    load_with(json, file, options, mesh::load)
-}
-
-/// As [`load_str`], with a function that reads mesh files.
-pub(super) fn load_with(
-    json: &str,
-    file: &Path,
-    options: &LoadOptions,
-    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
-) -> Result<LoadedScene> {
     refuse_camera(file, options)?;
     let notes = options.notes(file);
     let value = json::parse(json, file)?;
@@ -159,20 +149,14 @@ pub(super) fn load_with(
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
     warn_of_equal_names(&world, &notes);
-    loaded(world, notes, None, read_mesh)
+    loaded(world, notes, String::new())
 }
 
-/// The scene of a `world`, whose mesh files are read now, with the choices in `told`.
-fn loaded(
-    mut world: World,
-    notes: Notes<'_>,
-    told: Option<String>,
-    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
-) -> Result<LoadedScene> {
-    let told = told
-        .filter(|text| !text.is_empty())
-        .map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
-    meshes::complete(&mut world, &notes, read_mesh)?;
+/// The scene of a `world`, whose mesh files are read now, with the choices in `told`, if any.
+fn loaded(mut world: World, notes: Notes<'_>, told: String) -> Result<LoadedScene> {
+    let told =
+        (!told.is_empty()).then(|| Warning::from_error(&notes.error(ErrorKind::Scene, "", told)));
+    meshes::complete(&mut world, &notes)?;
     scene_file::warn_of_darkness(&world, &notes);
     let (file, folder) = (notes.file().to_owned(), notes.folder());
     let (warnings, harmless, files) = notes.into_parts();

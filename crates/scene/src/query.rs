@@ -65,18 +65,14 @@ pub(crate) fn json_path(world: &World, entity: Entity) -> String {
 pub(crate) type Pictured<'w> =
     (Option<&'w TextureRef>, Option<&'w Maps>, Option<&'w Environment>, Option<&'w CutOut>);
 
-/// The textures that an entity names, but for its cut-out.
-pub(crate) fn textures_of<'w>(
-    (texture, maps, around, _): Pictured<'w>,
-) -> impl Iterator<Item = &'w TextureRef> + use<'w> {
-    let maps = maps.into_iter().flat_map(Maps::all).filter_map(|(_, map)| map.texture.as_ref());
-    texture.into_iter().chain(maps).chain(around.and_then(|around| around.image.as_ref()))
-}
-
 /// The files of all images that an entity names.
-pub(crate) fn images_of<'w>(found: Pictured<'w>) -> impl Iterator<Item = &'w Path> + use<'w> {
-    let textures = textures_of(found).map(|texture| &texture.look_up);
-    let all = textures.chain(found.3.and_then(|cutout| cutout.look_up.as_ref()));
+pub(crate) fn images_of<'w>(
+    (texture, maps, around, cutout): Pictured<'w>,
+) -> impl Iterator<Item = &'w Path> + use<'w> {
+    let maps = maps.into_iter().flat_map(Maps::all).filter_map(|(_, map)| map.texture.as_ref());
+    let around = around.and_then(|around| around.image.as_ref());
+    let look_ups = texture.into_iter().chain(maps).chain(around).map(|texture| &texture.look_up);
+    let all = look_ups.chain(cutout.and_then(|cutout| cutout.look_up.as_ref()));
     all.filter_map(|look_up| look_up.source.file())
 }
 

@@ -12,11 +12,9 @@ mod walk;
 
 use std::path::Path;
 
-use glam::Vec3;
 use serde_json::Value;
 
-use super::load::{LoadOptions, LoadedScene, load_with};
-use super::mesh::{LoadedMesh, MeshData};
+use super::load::{LoadOptions, LoadedScene, load_str};
 use wavecrest_base::error::Result;
 
 /// A scene that has every key of the format (but those that another one excludes) and no fault.
@@ -53,15 +51,8 @@ fn without(path: &str) -> Value {
     remove(complete(), path)
 }
 
-/// A mesh reader that answers with one triangle.
-fn one_triangle(_: &Path) -> Result<LoadedMesh> {
-    let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
-    let mesh = MeshData { positions, triangles: vec![[0, 1, 2]], ..MeshData::default() };
-    Ok(LoadedMesh { mesh, ..LoadedMesh::default() })
-}
-
 fn load_options(scene: &Value, options: LoadOptions) -> Result<LoadedScene> {
-    load_with(&scene.to_string(), Path::new("s.json"), &options, one_triangle)
+    load_str(&scene.to_string(), Path::new("s.json"), &options)
 }
 
 fn load(scene: &Value) -> Result<LoadedScene> {

@@ -10,7 +10,7 @@ use super::{File, image, small, square};
 
 /// The numbers of lamps of the studio, of point lights and of emissive meshes; and the note.
 fn lights(file: &File, rig: Option<Rig>) -> ([usize; 3], String) {
-    let usual = Lighting::USUAL;
+    let usual = Lighting::default();
     let lighting = Lighting { rig: rig.unwrap_or(usual.rig), replaces: rig.is_some(), ..usual };
     let options = LoadOptions { lighting, ..small() };
     let mut loaded = load_bytes(file.glb(), "a.glb".as_ref(), &options).expect("it is right");

@@ -221,7 +221,7 @@ fn alphas_of_vertices_blend_and_are_cut_out() {
 /// The image in white surroundings, before black.
 fn surrounded(file: &File) -> Film {
     let background = Some(Background::Color(DVec3::ZERO));
-    let lighting = Lighting { rig: Rig::None, replaces: true, background, ..Lighting::USUAL };
+    let lighting = Lighting { rig: Rig::None, replaces: true, background, ..Lighting::default() };
     let options = LoadOptions { lighting, ..small() };
     rendered(load_bytes(file.glb(), "a.glb".as_ref(), &options))
 }

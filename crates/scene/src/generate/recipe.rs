@@ -32,11 +32,6 @@ impl Model {
         }
     }
 
-    /// The default displacement.
-    pub fn usual_displacement(self) -> f64 {
-        self.displacements()[0]
-    }
-
     /// The number of triangles with one step of the grid (`n` steps have `n * n` times as many),
     /// and the smallest number of steps that still resembles the model.
     pub(super) fn grid(self) -> (u64, u64) {
@@ -73,8 +68,7 @@ impl Model {
 pub struct Recipe {
     /// The subject of the mesh.
     pub model: Model,
-    /// The requested number of triangles. The mesh has the next number that its grid allows: see
-    /// [`Recipe::counts`].
+    /// The requested number of triangles. The mesh has the next number that its grid allows.
     pub triangles: u64,
     /// Seed of the noise.
     pub seed: u64,
@@ -89,16 +83,8 @@ pub struct Recipe {
 impl Recipe {
     /// The default mesh of `model` with at least this number of triangles: seed 1, no normals.
     pub fn new(model: Model, triangles: u64) -> Self {
-        let displacement = model.usual_displacement();
+        let [displacement, _] = model.displacements();
         Self { model, triangles, seed: 1, displacement, normals: false }
-    }
-
-    /// The numbers of vertices and triangles of the mesh.
-    ///
-    /// # Errors
-    /// If the recipe is invalid, as for [`mesh`](super::mesh).
-    pub fn counts(&self) -> Result<(u64, u64)> {
-        Ok((self.surface()?.vertices(), self.grid_triangles()))
     }
 
     /// The triangles of the grid, at most [`MOST_TRIANGLES`].

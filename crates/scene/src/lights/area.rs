@@ -48,7 +48,7 @@ component! {
 declared!(AreaLight, check);
 
 fn check(light: &mut AreaLight, object: &Object<'_>) -> Result<()> {
-    warn_of_power(object);
+    warn_of_power(object, light.intensity, light.color);
     // The report's format has this key, but the shape gives the position.
     object.get("position").map(|cursor| cursor.point()).transpose()?;
     check_samples(object, light.sampling, light.samples)?;

@@ -35,6 +35,6 @@ component! {
 }
 
 declared!(DirectionalLight, |light: &mut Self, object| {
-    warn_of_strength(object);
+    warn_of_strength(object, light.intensity, light.color);
     check_samples(object, light.sampling, light.samples)
 });

@@ -28,7 +28,7 @@ component! {
     }
 }
 
-declared!(PointLight, |_: &mut Self, object| {
-    warn_of_strength(object);
+declared!(PointLight, |light: &mut Self, object| {
+    warn_of_strength(object, light.intensity, light.color);
     Ok(())
 });

@@ -41,7 +41,7 @@ fn check(spot: &mut Spot, object: &Object<'_>) -> Result<()> {
     }
     if outer == 0.0 {
         let message = "is 0, so of the light only its ambient part is left";
-        object.need("outer", "a number")?.warn(message, "use an angle above 0, up to 90");
+        object.warn("outer", message, "use an angle above 0, up to 90");
     }
     Ok(())
 }

@@ -55,8 +55,7 @@ pub(super) fn split(
                 surface(mtl, |image| reader.image(from, image));
             if !is_there {
                 let message = format!("faces with the material {name} are left out");
-                let remedy = "its opacity (d) is 0";
-                reader.warn(&message, remedy);
+                reader.warn(&message, "its opacity (d) is 0");
                 continue;
             }
             let has_uvs = texture.is_none() && cutout.is_none() || reader.has_uvs(&data);

@@ -2,7 +2,6 @@
 //! of their own, instances, and shading.
 
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
 
 use hecs::{Entity, EntityBuilder, EntityRef, World};
 
@@ -12,29 +11,25 @@ use crate::components::{
     Shading, Sides, TextureRef, VertexColors,
 };
 use crate::format::{Declaration, Notes};
-use crate::mesh::{LoadedMesh, MeshData, NamedMaterials, announce};
+use crate::mesh::{self, MeshData, NamedMaterials, announce};
 use crate::query::{Pictured, images_of, json_path, ordered, shapes};
 use crate::shapes::{COMMON, INSTANCE};
 use crate::surface::SURFACE;
 use wavecrest_base::error::{ErrorKind, Result};
 
-/// Completes the `world`, with mesh files read by `read_mesh`.
-pub(super) fn complete(
-    world: &mut World,
-    notes: &Notes<'_>,
-    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
-) -> Result<()> {
+/// Completes the `world`.
+pub(super) fn complete(world: &mut World, notes: &Notes<'_>) -> Result<()> {
     notes.whole(|| {
         let mut sound = Ok(());
         for light in ids(ordered::<&AreaLight>(world)) {
-            sound = notes.part(|| complete_light(world, light, notes, &read_mesh)).and(sound);
+            sound = notes.part(|| complete_light(world, light, notes)).and(sound);
         }
         leave_out_unseen(world, notes);
         world.query::<&MeshFile>().iter().for_each(|mesh| announce(&mesh.file));
         let mut order = (0..).map(Order);
         let mut parts_of: HashMap<Entity, Vec<Entity>> = HashMap::new();
         for shape in ids(shapes(world)) {
-            match notes.part(|| complete_shape(world, shape, notes, &read_mesh)) {
+            match notes.part(|| complete_shape(world, shape, notes)) {
                 Ok(parts) => {
                     for (&part, order) in parts.iter().zip(&mut order) {
                         let _ = world.insert_one(part, order);
@@ -79,16 +74,11 @@ fn leave_out_unseen(world: &mut World, notes: &Notes<'_>) {
     }
 }
 
-fn complete_light(
-    world: &mut World,
-    light: Entity,
-    notes: &Notes<'_>,
-    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
-) -> Result<()> {
+fn complete_light(world: &mut World, light: Entity, notes: &Notes<'_>) -> Result<()> {
     let place = format!("{}.shape", json_path(world, light));
     if let Ok(file) = world.remove_one::<MeshFile>(light) {
         let file = MeshFile { colors: VertexColors::None, ..file };
-        let (mesh, _) = read(&file, &place, notes, read_mesh)?;
+        let (mesh, _) = read(&file, &place, notes)?;
         let _ = world.insert_one(light, mesh);
     }
     match world.get::<&Mesh>(light).is_ok_and(|mesh| !mesh.has_area()) {
@@ -98,15 +88,10 @@ fn complete_light(
 }
 
 /// Completes a shape; returns its parts, several if its faces have the materials of its file.
-fn complete_shape(
-    world: &mut World,
-    shape: Entity,
-    notes: &Notes<'_>,
-    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
-) -> Result<Vec<Entity>> {
+fn complete_shape(world: &mut World, shape: Entity, notes: &Notes<'_>) -> Result<Vec<Entity>> {
     let mut parts = vec![shape];
     if let Ok(file) = world.remove_one::<MeshFile>(shape) {
-        let (mesh, named) = read(&file, &json_path(world, shape), notes, read_mesh)?;
+        let (mesh, named) = read(&file, &json_path(world, shape), notes)?;
         if file.materials == Materials::File {
             let Ok(whole) = world.entity(shape) else { return Ok(Vec::new()) };
             let begin = |surface: &[Declaration]| {
@@ -134,10 +119,9 @@ fn read(
     MeshFile { file, colors, .. }: &MeshFile,
     place: &str,
     notes: &Notes<'_>,
-    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
 ) -> Result<(Mesh, NamedMaterials)> {
     notes.reads(file);
-    let mut loaded = read_mesh(file).map_err(|cause| notes.mesh_error(cause, place))?;
+    let mut loaded = mesh::load(file).map_err(|cause| notes.mesh_error(cause, place))?;
     notes.pass_on(loaded.warnings);
     loaded.mesh.decode_colors(*colors);
     let mesh = Mesh { data: loaded.mesh, file: Some(file.clone()), ..Mesh::default() };

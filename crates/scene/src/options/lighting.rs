@@ -73,14 +73,9 @@ pub struct Lighting {
     pub crease_degrees: f64,
 }
 
-impl Lighting {
-    /// A studio; edges of more than 30 degrees are sharp, as in modelling programs.
-    pub const USUAL: Self =
-        Self { rig: Rig::Studio, replaces: false, background: None, crease_degrees: 30.0 };
-}
-
 impl Default for Lighting {
+    /// A studio; edges of more than 30 degrees are sharp, as in modelling programs.
     fn default() -> Self {
-        Self::USUAL
+        Self { rig: Rig::Studio, replaces: false, background: None, crease_degrees: 30.0 }
     }
 }

@@ -14,7 +14,7 @@ use crate::format::{
 };
 use crate::mesh::{Attribute, MeshData, VertexColors};
 use crate::surface::existing_file;
-use wavecrest_base::error::{Error, Result};
+use wavecrest_base::error::Result;
 
 const POINTS: &str = "an array of at least three points [[x, y, z], ...]";
 const INDICES: &str = "an array of triangles [[a, b, c], ...], at least one";
@@ -100,7 +100,8 @@ impl Declared for MeshFile {
         let cursor = object.cursor();
         let is_given = |key: &&str| cursor.value().get(*key).is_some();
         if let Some(other) = ["points", "indices"].into_iter().find(is_given) {
-            return Err(both(cursor, other));
+            let error = cursor.error(format!("a trimesh has \"file\" or {other:?}, not both"));
+            return Err(error.remedy("remove one of them"));
         }
         let file = mesh_file(&object.need("file", "the path of a mesh")?)?;
         let (colors, materials) = (object.read("vertexcolors"), object.read("materials"));
@@ -108,11 +109,6 @@ impl Declared for MeshFile {
     }
 
     fn write(&self, _: &mut Writer<'_>) {}
-}
-
-fn both(cursor: &Cursor<'_>, other: &str) -> Error {
-    let error = cursor.error(format!("a trimesh has \"file\" or {other:?}, not both"));
-    error.remedy("remove one of them")
 }
 
 fn mesh_file(cursor: &Cursor<'_>) -> Result<PathBuf> {

@@ -43,20 +43,15 @@ pub(crate) fn run(
     let (view, lens, path) = query.iter().next().ok_or_else(|| missing("View"))?;
     let lens = lens_runs.then(|| lens.map_or(PINHOLE, of_extent));
     let antialias = if jitter_runs { view.antialias } else { 1 };
-    let (location, look) = (view.location - origin, view.look - origin);
-    let still = Placement { location, look, ..view.placement() };
-    let key = |key: &CameraKey| Keyframe {
-        frame: key.frame,
-        placement: Placement {
-            location: key.location - origin,
-            look: key.look - origin,
-            up: key.up,
-            fov_degrees: key.fov_degrees,
-            ..still
-        },
-        focal: key.focal as f32,
+    let placement = |view: &View| {
+        let (location, look) = (view.location - origin, view.look - origin);
+        Placement { location, look, ..view.placement() }
     };
-    let camera = Camera::new(&still, antialias, view.sampling, lens);
+    let key = |&CameraKey { frame, location, look, up, fov_degrees, focal }: &CameraKey| {
+        let placement = placement(&View { location, look, up, fov_degrees, ..*view });
+        Keyframe { frame, placement, focal: focal as f32 }
+    };
+    let camera = Camera::new(&placement(view), antialias, view.sampling, lens);
     let path = path.map(|CameraPath { keys, interpolation }| {
         Path::new(keys.iter().map(key).collect(), *interpolation, camera)
     });

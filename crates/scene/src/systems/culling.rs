@@ -17,7 +17,7 @@ use super::bounds::{around, wide};
 use super::frame::Frame;
 use super::geometry::is_varied;
 use super::materials::mirrored;
-use super::placement::{ShapeGeometry, ShapeInstance};
+use super::placement::{Circle, ShapeGeometry, ShapeInstance};
 use super::reach::{BEHIND, Extent};
 use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::textures::Images;
@@ -214,36 +214,31 @@ fn size(bounds: &Aabb) -> f64 {
     f64::from(bounds.low.abs().max(bounds.high.abs()).max_element())
 }
 
-/// Spheres without holes, by centre and radius, that no ray of any camera passes.
-struct Walls {
-    /// With all cameras outside.
-    outside: Vec<(Vec3, f32)>,
-    /// With all cameras inside.
-    within: Vec<(Vec3, f32)>,
-}
+/// Spheres without holes, by centre and radius, that no ray of any camera passes, and whether all cameras are outside;
+/// else all are inside.
+struct Walls(Vec<(Vec3, f32, bool)>);
 
 impl Walls {
     fn of(cameras: &[Camera], shapes: &[ShapeInstance]) -> Self {
         let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
-        let sphere = |shape: &ShapeInstance| match &shape.geometry {
-            ShapeGeometry::Sphere(Sphere { center, radius }) if !shape.is_cut_out => {
-                shape.circle("sphere", *center, *radius).ok()
-            }
-            _ => None,
-        };
-        let spheres = || shapes.iter().filter_map(sphere).map(|of| (of.center, of.radius));
-        let those = |are: fn(&Extent, Vec3, f32) -> bool| {
-            let all = |&(center, radius): &(Vec3, f32)| {
-                pupils.iter().all(|pupil| are(pupil, center, radius))
+        let wall = |shape: &ShapeInstance| {
+            let ShapeGeometry::Sphere(Sphere { center, radius }) = shape.geometry else {
+                return None;
             };
-            spheres().filter(all).collect()
+            let sphere = shape.circle("sphere", center, radius).ok();
+            let Circle { center, radius, .. } = sphere.filter(|_| !shape.is_cut_out)?;
+            let are_outside = pupils.iter().all(|pupil| pupil.is_beyond(center, radius));
+            let are_inside = || pupils.iter().all(|pupil| pupil.is_within(center, radius));
+            (are_outside || are_inside()).then_some((center, radius, are_outside))
         };
-        Self { outside: those(Extent::is_beyond), within: those(Extent::is_within) }
+        Self(shapes.iter().filter_map(wall).collect())
     }
 
     fn hide(&self, bounds: &Aabb) -> bool {
         let extent = Extent::of_box(bounds);
-        self.outside.iter().any(|&(center, radius)| extent.is_within(center, radius))
-            || self.within.iter().any(|&(center, radius)| extent.is_beyond(center, radius))
+        self.0.iter().any(|&(center, radius, are_outside)| match are_outside {
+            true => extent.is_within(center, radius),
+            false => extent.is_beyond(center, radius),
+        })
     }
 }

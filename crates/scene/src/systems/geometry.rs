@@ -77,10 +77,8 @@ pub(crate) fn run(
         one.shape.flipped = false;
         one.built(0..0, UvMap::Mesh)
     });
-    let unknown = (Material::BLACK, MaterialBound(Material::BLACK));
     let entities = absent.chain(shapes).map(|(source, visibility, shape, uv_map)| {
-        let (material, bound) = unknown;
-        (source, visibility, shape, uv_map, material, bound)
+        (source, visibility, shape, uv_map, Material::BLACK, MaterialBound(Material::BLACK))
     });
     world.spawn_batch(entities);
     Ok(arrays)

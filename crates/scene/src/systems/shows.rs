@@ -35,12 +35,12 @@ pub(crate) fn run(world: &World, frame: &Frame, images: &mut Images) -> Result<(
         visibility.shows =
             Shows::of(&surface, &bound.0, visibility, mirrors, (has_ambient, hemisphere));
         let occlusion = surface.maps.occlusion.as_ref().and_then(|map| map.texture.as_ref());
-        let is_shown = visibility.shows.occlusion && visibility.is_in_view();
+        let is_seen = visibility.is_in_view();
+        let is_shown = visibility.shows.occlusion && is_seen;
         if let Some(texture) = occlusion.filter(|_| is_shown) {
             let is_one = images.is_one(texture, None, (surface.place, OCCLUSION_MAP))?;
             visibility.shows.occlusion = !is_one;
         }
-        let is_seen = visibility.is_in_view();
         visibility.is_trilinear =
             visibility.shows.is_trilinear(&surface, visibility.is_transparent, |texture| {
                 let own = texture.look_up.filter;

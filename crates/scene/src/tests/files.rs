@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 use tempfile::TempDir;
 
-use super::{approved, complete, one_triangle, set};
-use crate::load::{LoadOptions, load, load_with};
+use super::{approved, complete, set};
+use crate::load::{LoadOptions, load, load_str};
 use wavecrest_base::error::ErrorKind;
 
 /// How the file at `path` is refused: the kind, and the text without the path before it.
@@ -27,7 +27,7 @@ fn in_folder(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
 #[test]
 fn text_that_is_no_scene() {
     approved::compare("src/tests/texts.txt", |text| {
-        let loaded = load_with(text, Path::new("s.json"), &LoadOptions::default(), one_triangle);
+        let loaded = load_str(text, Path::new("s.json"), &LoadOptions::default());
         loaded.err().unwrap().to_string()
     });
     let empty = "the file is empty; write a scene in it, as SCENES.md describes, or render a .gltf, .glb, .ply, .obj or .stl file";
@@ -65,13 +65,12 @@ fn files_of_another_machine_are_found_beside_the_scene() {
     let here = |name: &str| folder.path().join(name);
     fs::create_dir(here("images")).unwrap();
     for name in ["out.jpg", "bunny.ply", "images/wood.png"] {
-        fs::write(here(name), b"").unwrap();
+        fs::write(here(name), include_bytes!("triangle.ply")).unwrap();
     }
     let scene = set(complete(), "scene.shapes[0].texture", json!("C:/Users/me/out.jpg"));
     let scene = set(scene, "scene.shapes[1].texture", json!("images\\wood.png"));
     let scene = set(scene, "scene.shapes[5].file", json!("/home/me/none/bunny.ply"));
-    let loaded =
-        load_with(&scene.to_string(), &path, &LoadOptions::default(), one_triangle).unwrap();
+    let loaded = load_str(&scene.to_string(), &path, &LoadOptions::default()).unwrap();
     let warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
     let told = |place: &str, value: &str, name: &str| {
         let [scene, used] = [&path, &here(name)].map(|path| path.display().to_string());
@@ -89,7 +88,7 @@ fn files_of_another_machine_are_found_beside_the_scene() {
     );
     let strict = LoadOptions { strict: true, ..LoadOptions::default() };
     let missing = set(complete(), "scene.shapes[0].texture", json!("C:/Users/me/none.jpg"));
-    let error = load_with(&missing.to_string(), &path, &strict, one_triangle);
+    let error = load_str(&missing.to_string(), &path, &strict);
     let error = error.err().unwrap().to_string();
     assert!(error.contains("C:/Users/me/none.jpg"), "{error}");
 }

@@ -22,7 +22,7 @@ fn spawn(world: &mut World, order: u32, data: MeshData) -> hecs::Entity {
 /// The arrays of a world's shapes.
 fn arrays(world: &mut World) -> Result<Arrays> {
     let instances = placement::run(world, DVec3::ZERO);
-    let settings = staging::settings("scene.json".as_ref(), 0, &Lighting::USUAL);
+    let settings = staging::settings("scene.json".as_ref(), 0, &Lighting::default());
     let precision = Precision::default();
     let (origin, cameras, visible) = (DVec3::ZERO, Vec::new(), Visible::new(1.0, 1.0));
     let frame = Frame { settings, precision, origin, cameras, visible };
