@@ -34,13 +34,6 @@ pub(super) const RINGS_PER_SIDE: u64 = 20;
 /// Frequency of the coarsest noise: a wave is about half the width of the tube.
 const FREQUENCY: f64 = 6.0;
 
-/// A point of the centre line, and the two directions perpendicular to it that span the tube.
-struct TubeFrame {
-    centre: DVec3,
-    normal: DVec3,
-    binormal: DVec3,
-}
-
 /// The knot as a grid of rings, closed in both directions.
 pub(super) struct Knot {
     /// Steps around the tube.
@@ -58,11 +51,11 @@ impl Knot {
 
     /// The point at step `i` around the tube and at ring `j`.
     fn point(&self, i: f64, j: f64) -> DVec3 {
-        let frame = frame(TAU * (j / self.rings as f64));
+        let [centre, normal, binormal] = frame(TAU * (j / self.rings as f64));
         let (sin, cos) = libm::sincos(TAU * (i / self.sides as f64));
-        let outward = frame.normal * cos + frame.binormal * sin;
-        let plain = frame.centre + outward * TUBE;
-        frame.centre + outward * (TUBE * (1.0 + self.displacement * self.fractal.sum(plain)))
+        let outward = normal * cos + binormal * sin;
+        let plain = centre + outward * TUBE;
+        centre + outward * (TUBE * (1.0 + self.displacement * self.fractal.sum(plain)))
     }
 
     /// The step and the ring of vertex `v`.
@@ -98,8 +91,9 @@ impl Surface for Knot {
     }
 }
 
-/// The centre line's frame at `angle`, which runs from 0 to tau along the whole knot.
-fn frame(angle: f64) -> TubeFrame {
+/// The point of the centre line at `angle`, which runs from 0 to tau along the whole knot, and the normal and the
+/// binormal there, which span the tube.
+fn frame(angle: f64) -> [DVec3; 3] {
     let (sin_turn, cos_turn) = libm::sincos(TURNS * angle);
     let (sin_wind, cos_wind) = libm::sincos(WINDS * angle);
     let outward = DVec3::new(cos_turn, sin_turn, 0.0);
@@ -108,11 +102,8 @@ fn frame(angle: f64) -> TubeFrame {
     let normal = outward * cos_wind + DVec3::Z * sin_wind;
     let velocity =
         forward * (TURNS * distance) + (DVec3::Z * cos_wind - outward * sin_wind) * (MINOR * WINDS);
-    TubeFrame {
-        centre: outward * distance + DVec3::Z * (MINOR * sin_wind),
-        normal,
-        binormal: velocity.normalize().cross(normal),
-    }
+    let centre = outward * distance + DVec3::Z * (MINOR * sin_wind);
+    [centre, normal, velocity.normalize().cross(normal)]
 }
 
 #[cfg(test)]
@@ -122,7 +113,7 @@ mod tests {
     /// Points of the centre line, and the arc length up to each; the last is the total length.
     fn centre_line(count: usize) -> (Vec<DVec3>, Vec<f64>) {
         let points: Vec<DVec3> =
-            (0..count).map(|i| frame(TAU * i as f64 / count as f64).centre).collect();
+            (0..count).map(|i| frame(TAU * i as f64 / count as f64)[0]).collect();
         let mut arc = vec![0.0];
         for i in 0..count {
             arc.push(arc[i] + points[i].distance(points[(i + 1) % count]));

@@ -98,17 +98,15 @@ impl Map {
     fn read(object: &Object<'_>, key: &'static str) -> Result<Option<Self>> {
         let Some(cursor) = object.get(key) else { return Ok(None) };
         let map = cursor.object(*kind(key))?;
+        let channels = map.read_or("channels", Some(Channels::Color));
+        let texture = |file| Ok(TextureRef { channels, ..TextureRef::plain(&map, file)? });
         let texture = match map.get("file") {
             None if key == METAL_MAP => None,
-            _ => {
-                let channels = map.read_or("channels", Some(Channels::Color));
-                match existing_image(&map.need("file", IMAGE)?)? {
-                    Some(file) => Some(TextureRef { channels, ..TextureRef::plain(&map, file)? }),
-                    None if key == METAL_MAP => None,
-                    None => return Ok(None),
-                }
-            }
+            _ => existing_image(&map.need("file", IMAGE)?)?.map(texture).transpose()?,
         };
+        if texture.is_none() && key != METAL_MAP {
+            return Ok(None);
+        }
         let factor = |key| map.read_or(key, Some(1.0));
         Ok(Some(Self {
             texture,

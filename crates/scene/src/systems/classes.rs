@@ -34,7 +34,12 @@ pub(crate) fn run(world: &World, schedule: Schedule, images: &mut Images) -> Vec
             images.texture(texture, (surface.place, key), *uv_map)
         };
         let maps = maps(&surface, shows, through.as_ref(), shape.colored, look_up);
-        let class = Class::new(visible(*material, shows), through, maps);
+        let material = Material {
+            tint: if shows.tint { material.tint } else { Material::BLACK.tint },
+            emission: if shows.emission { material.emission } else { Material::BLACK.emission },
+            ..*material
+        };
+        let class = Class::new(material, through, maps);
         shape.class = *known.entry(key(&class)).or_insert_with(|| {
             classes.push(class);
             classes.len() as u32 - 1
@@ -56,16 +61,6 @@ fn key(Class { material, transparency, maps, .. }: &Class) -> Key {
     // As text, numbers are as good as their bits.
     let rest = if is_plain { String::new() } else { format!("{transparency:?}{maps:?}") };
     (constants.map(f32::to_bits), rest)
-}
-
-/// The constants that are visible.
-fn visible(constants: Material, shows: Shows) -> Material {
-    let Material { tint, emission, .. } = Material::BLACK;
-    Material {
-        tint: if shows.tint { constants.tint } else { tint },
-        emission: if shows.emission { constants.emission } else { emission },
-        ..constants
-    }
 }
 
 fn transparency(surface: &SurfaceComponents<'_>) -> transmission::Transparency {

@@ -52,15 +52,14 @@ pub(super) fn leave_even_color(
     images: &mut Images,
     gives_light: bool,
 ) -> Option<DVec3> {
-    let mut query = world.query::<(Entity, &Environment)>();
-    let (entity, found) = query.iter().find(|(_, found)| found.is_bright())?;
+    let mut environments = world.query_mut::<(Entity, &Environment)>().into_iter();
+    let (entity, found) = environments.find(|(_, found)| found.is_bright())?;
     let Surroundings { zenith, horizon, nadir, intensity, .. } = found.around;
     let color = match &found.image {
         Some(_) if gives_light => None,
         Some(image) => images.only_color(image, PLACE),
         None => (zenith == horizon && horizon == nadir).then_some(zenith * intensity),
     }?;
-    drop(query);
     let _ = world.insert_one(entity, EvenColor(color));
     Some(color)
 }

@@ -6,6 +6,7 @@ use hecs::{Entity, World};
 
 use super::frame::Frame;
 use super::reach::Illuminates;
+use super::visibility::Source;
 use crate::components::Order;
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -15,10 +16,6 @@ use wavecrest_core::kernels::light::Light;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 
 pub(super) use emitters::ShapeEmitter;
-
-/// The entity that a light is made of.
-#[derive(Clone, Copy, Debug)]
-struct LightSource(Entity);
 
 /// Spawns an entity for each light, in the order of the file, moved like its shapes.
 pub(crate) fn run(world: &mut World, frame: &Frame, geometry: &Geometry) -> Result<()> {
@@ -34,15 +31,14 @@ pub(crate) fn run(world: &mut World, frame: &Frame, geometry: &Geometry) -> Resu
         world.get::<&Order>(*entity).map_or(Order(u32::MAX), |order| *order)
     });
     let lights = found.into_iter();
-    world.spawn_batch(
-        lights.map(|(entity, light)| (LightSource(entity), light, Illuminates::default())),
-    );
+    world
+        .spawn_batch(lights.map(|(entity, light)| (Source(entity), light, Illuminates::default())));
     Ok(())
 }
 
 /// Factor on the diffuse colour for the ambient part of all lights together, including lights without power.
 pub(crate) fn ambient(world: &World, frame: &Frame) -> f32 {
-    frame.settings.ambient as f32 * world.query::<&LightSource>().iter().count() as f32
+    frame.settings.ambient as f32 * world.query::<(&Source, &Light)>().iter().count() as f32
 }
 
 /// Moves the lights to simulate out of the world, each with its own dimensions: those that reach a surface in
@@ -62,7 +58,7 @@ pub(crate) fn kept(
     }
     let mut dimension = camera::DIMENSION + 1;
     for turn in [true, false] {
-        let mut lights = world.query::<(&LightSource, &mut Light, &Illuminates)>();
+        let mut lights = world.query::<(&Source, &mut Light, &Illuminates)>();
         for (source, light, _) in lights.iter().filter(|(.., found)| found.anywhere == turn) {
             light.dimension = dimension;
             let drawn = if light.is_sampled() { light.samples() } else { 0 };
@@ -72,10 +68,9 @@ pub(crate) fn kept(
         }
     }
     let all = schedule.is_unconditional(Step::Shadow);
-    let mut lights = world.query::<(Entity, &Light, &Illuminates)>();
-    let kept = lights.iter().filter(|(.., found)| found.in_view || all);
+    let lights = world.query_mut::<(Entity, &Light, &Illuminates)>().into_iter();
+    let kept = lights.filter(|(.., found)| found.in_view || all);
     let kept: Vec<Entity> = kept.map(|(entity, ..)| entity).collect();
-    drop(lights);
     let kept = kept.into_iter().filter_map(|entity| world.remove_one::<Light>(entity).ok());
     Ok((kept.collect(), ambient))
 }

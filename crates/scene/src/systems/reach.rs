@@ -52,14 +52,6 @@ pub(crate) struct Illuminates {
     pub(crate) anywhere: bool,
 }
 
-/// For each light, whether it reaches any receiver, and for each receiver, whether any light but ambient light
-/// reaches it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Reached {
-    lights: Vec<bool>,
-    receivers: Vec<bool>,
-}
-
 /// Finds out which lights reach surfaces, and which of these they reach.
 pub(crate) fn run(world: &World, geometry: &Geometry) {
     let textures = world.view::<&TextureRef>();
@@ -76,26 +68,28 @@ pub(crate) fn run(world: &World, geometry: &Geometry) {
     }
     let mut lights = world.query::<(&Light, &mut Illuminates)>();
     let (lights, found): (Vec<_>, Vec<_>) = lights.iter().unzip();
-    let seen = reached(&lights, &in_view, geometry);
+    let reached_in_view = reached(&lights, &in_view, geometry);
     let is_same = |(one, other): (&Receiver<'_>, &Receiver<'_>)| one.faces == other.faces;
     let anywhere = match all.len() == in_view.len() && all.iter().zip(&in_view).all(is_same) {
-        true => seen.clone(),
+        true => reached_in_view.clone(),
         false => reached(&lights, &all, geometry),
     };
+    let ([lights_in_view, seen], [lights_anywhere, all]) = (reached_in_view, anywhere);
     for (found, (in_view, anywhere)) in
-        found.into_iter().zip(seen.lights.into_iter().zip(anywhere.lights))
+        found.into_iter().zip(lights_in_view.into_iter().zip(lights_anywhere))
     {
         *found = Illuminates { in_view, anywhere };
     }
-    let mut seen = seen.receivers.into_iter();
-    for (visibility, anywhere) in lit.into_iter().zip(anywhere.receivers) {
+    let mut seen = seen.into_iter();
+    for (visibility, anywhere) in lit.into_iter().zip(all) {
         let is_seen = visibility.faces.is_some();
         visibility.is_lit = if is_seen { seen.next() == Some(true) } else { anywhere };
     }
 }
 
-/// Which of `lights` reach any of `receivers`, and which of these they reach.
-fn reached(lights: &[&Light], receivers: &[Receiver<'_>], geometry: &Geometry) -> Reached {
+/// For each of `lights`, whether it reaches any of `receivers`, and for each of these, whether any light but ambient
+/// light reaches it.
+fn reached(lights: &[&Light], receivers: &[Receiver<'_>], geometry: &Geometry) -> [Vec<bool>; 2] {
     let extents: Vec<Extent> = lights.iter().map(|light| Extent::of(&light.emitter)).collect();
     let (mut tests, mut pairs) = (0, 0);
     let mut reaches = |light: usize, receiver: &Receiver<'_>| {
@@ -114,7 +108,8 @@ fn reached(lights: &[&Light], receivers: &[Receiver<'_>], geometry: &Geometry) -
             pairs > MOST_TESTS || reaches(light, receiver)
         })
     };
-    Reached { receivers: receivers.iter().map(of_receiver).collect(), lights: reaching }
+    let reached = receivers.iter().map(of_receiver).collect();
+    [reaching, reached]
 }
 
 /// Whether any of the light's colour is reflected: as in the shading step, a product of zero adds

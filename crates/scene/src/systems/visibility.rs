@@ -1,11 +1,11 @@
-//! Components of the entity of a shape: what systems find out about it.
+//! Components of the entity of a shape or a light: what systems find out about it.
 
 use hecs::Entity;
 
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::prepared::Shape;
 
-/// The entity that a shape is made of, which has its surface.
+/// The entity that a shape or a light is made of; that of a shape has its surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Source(pub(crate) Entity);
 
