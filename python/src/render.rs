@@ -144,13 +144,14 @@ impl Job {
         }
         let options = api::ExtractOptions { precision, ..Default::default() };
         let extracted = api::extract(loaded.world, options)?;
-        let (preset, file) = (extracted.preset(), extracted.file().to_owned());
+        let preset = extracted.preset();
         let pixels: u64 = extracted.scene().camera.size().map(u64::from).iter().product();
         let film = pixels * size_of::<[f32; 3]>() as u64;
         check_room(tree_bytes(extracted.geometry().held()) + film, "the render")?;
         let mut scene = extracted.build(preset);
-        loaded.warnings.extend(api::warnings(&scene, &file));
-        let (rendered, warning) = goal.trace(&mut scene, preset, &rendering, &file, cancel)?;
+        loaded.warnings.extend(api::warnings(&scene, &loaded.file));
+        let (rendered, warning) =
+            goal.trace(&mut scene, preset, &rendering, &loaded.file, cancel)?;
         loaded.warnings.extend(warning);
         let (seed, invalid) = (rendering.seed, rendered.counters.invalid);
         let request = api::LayerRequest { layers: &layers, crop: None, seed, invalid };

@@ -58,7 +58,7 @@ mod unseen;
 mod view;
 mod visibility;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use hecs::{Entity, World};
 
@@ -79,8 +79,6 @@ use wavecrest_core::prepared::PreparedScene;
 #[derive(Debug)]
 pub struct Extracted {
     scene: PreparedScene,
-    /// The scene's file, for messages.
-    file: PathBuf,
 }
 
 /// Options for preparing a scene.
@@ -161,7 +159,7 @@ pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
         plan,
         degenerate: 0,
     };
-    Ok(Extracted { scene, file: frame.settings.file })
+    Ok(Extracted { scene })
 }
 
 impl Extracted {
@@ -178,11 +176,6 @@ impl Extracted {
     /// The preset that is likely to finish first.
     pub fn preset(&self) -> Preset {
         Preset::choose(self.geometry().held() as u64, self.scene.expected_rays())
-    }
-
-    /// The scene's file.
-    pub fn file(&self) -> &Path {
-        &self.file
     }
 
     /// Builds the tree: the last system.

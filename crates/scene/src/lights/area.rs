@@ -5,12 +5,15 @@ use hecs::EntityBuilder;
 
 use super::{MOST_SAMPLES, check_samples, warn_of_power};
 use crate::camera::{Falloff, Sampling};
-use crate::format::{Declaration, Key, Kind, Object, Range, component, declared, keys};
+use crate::format::{Declaration, Kind, Object, Range, component, declared, keys};
 use crate::shapes::{self, Triangle};
 use wavecrest_base::error::Result;
 
 pub(super) const KIND: Kind = Kind {
-    keys: UNUSED,
+    keys: keys! {
+        /// Has no effect: the light is where its shape is.
+        "position": Point;
+    },
     more: &[&[SHAPE]],
     ..Kind::entity(
         "arealight",
@@ -18,11 +21,6 @@ pub(super) const KIND: Kind = Kind {
         "A light with a shape, visible in the colour of the light.",
         &[Declaration::of::<AreaLight>()],
     )
-};
-
-const UNUSED: &[Key] = keys! {
-    /// Has no effect: the light is where its shape is.
-    "position": Point;
 };
 
 component! {

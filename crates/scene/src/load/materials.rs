@@ -37,7 +37,7 @@ pub(super) fn split(
     notes: &Notes<'_>,
 ) -> Vec<EntityBuilder> {
     let folder = Folder::of(file, notes.outside);
-    let mut reader = Reader { file, folder, notes, images: HashMap::new() };
+    let reader = Reader { file, folder, notes };
     let library = reader.library(named);
     let (part, names) = numbered(named, mesh.triangles.len(), &library);
     reader.warn_of_unknown(named, &library);
@@ -113,13 +113,11 @@ struct Reader<'a> {
     file: &'a Path,
     folder: Folder,
     notes: &'a Notes<'a>,
-    /// The results of image look-ups, by folder and name.
-    images: HashMap<(PathBuf, String), Option<PathBuf>>,
 }
 
 impl Reader<'_> {
     /// All materials of the existing files and images, by name, each with its file's folder.
-    fn library(&mut self, named: &NamedMaterials) -> HashMap<String, (Mtl, PathBuf)> {
+    fn library(&self, named: &NamedMaterials) -> HashMap<String, (Mtl, PathBuf)> {
         let mut all = HashMap::new();
         let mut told = Library::default();
         for path in self.libraries(&named.libraries) {
@@ -190,20 +188,14 @@ impl Reader<'_> {
     }
 
     /// The path of an image named in a file in the folder `from`, if it exists and can be read.
-    fn image(&mut self, from: &Path, name: &str) -> Option<PathBuf> {
-        let key = (from.to_owned(), name.to_owned());
-        if let Some(known) = self.images.get(&key) {
-            return known.clone();
-        }
+    fn image(&self, from: &Path, name: &str) -> Option<PathBuf> {
         let effect = "only the material's colour is used";
         let found = self.find(from, name);
         let found = found.inspect_err(|denied| self.denied(*denied, "image", name, effect));
-        let found = found.ok().filter(|path| {
+        found.ok().filter(|path| {
             let head = Head::of(&TextureSource::File(path.clone()));
             head.inspect_err(|error| self.warn(&error.to_string(), effect)).is_ok()
-        });
-        self.images.insert(key, found.clone());
-        found
+        })
     }
 
     /// The file with that name. Names may come from other systems, or from folders that no longer

@@ -33,33 +33,25 @@ const DARK: DVec3 = DVec3::splat(0.05);
 /// Background of other files: lighter than any light grey surface, but not white.
 const LIGHT: DVec3 = DVec3::new(0.86, 0.87, 0.88);
 
-/// The lamps of the studio, with their names and the directions to them, to the right, up, and back
-/// from the camera. With the sky, they light a white surface that faces the key just to white; a
-/// pixel has at least four hits, each of which takes so many shadow rays.
+/// The lamps of the studio, with their names. With the sky, they light a white surface that faces the key just to
+/// white; a pixel has at least four hits, each of which takes so many shadow rays.
 const STUDIO: [(&str, DirectionalLight); 2] = [
-    (
-        "the key",
-        DirectionalLight {
-            intensity: 1.0,
-            color: DVec3::new(0.84, 0.82, 0.79),
-            direction: DVec3::new(-0.7, 1.0, 0.6),
-            angle_degrees: 14.0,
-            sampling: Sampling::Sobol,
-            samples: 2,
-        },
-    ),
-    (
-        "the rim",
-        DirectionalLight {
-            intensity: 1.0,
-            color: DVec3::new(0.2, 0.2, 0.2),
-            direction: DVec3::new(0.35, 0.8, -1.0),
-            angle_degrees: 10.0,
-            sampling: Sampling::Sobol,
-            samples: 1,
-        },
-    ),
+    ("the key", lamp([0.84, 0.82, 0.79], [-0.7, 1.0, 0.6], 14.0, 2)),
+    ("the rim", lamp([0.2, 0.2, 0.2], [0.35, 0.8, -1.0], 10.0, 1)),
 ];
+
+/// A lamp of a colour, with the direction to it, to the right, up, and back from the camera, its diameter in degrees, and
+/// its number of samples.
+const fn lamp(
+    color: [f64; 3],
+    to_it: [f64; 3],
+    angle_degrees: f64,
+    samples: u32,
+) -> DirectionalLight {
+    let (color, direction) = (DVec3::from_array(color), DVec3::from_array(to_it));
+    let (intensity, sampling) = (1.0, Sampling::Sobol);
+    DirectionalLight { intensity, color, direction, angle_degrees, sampling, samples }
+}
 
 /// The largest number of lamps that are added.
 pub(crate) const MOST_LAMPS: u32 = STUDIO.len() as u32;

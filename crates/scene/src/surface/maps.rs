@@ -170,11 +170,6 @@ const fn map(name: &'static str, about: &'static str, components: &'static [Decl
     Kind { components, more: &[&[LOOK_UP]], ..Kind::new(name, about, FILE) }
 }
 
-const METAL: &[Key] = keys! {
-    /// The image: a path from the scene's folder. Without one the factors alone count.
-    "file": Text;
-};
-
 const OF_COLORS: Kind = map("a map", "An image of colours.", &[]);
 
 const WITH_STRENGTH: Kind = map(
@@ -197,7 +192,10 @@ const OF_OPACITY: Kind = map(
 );
 
 const OF_METAL: Kind = Kind {
-    keys: METAL,
+    keys: keys! {
+        /// The image: a path from the scene's folder. Without one the factors alone count.
+        "file": Text;
+    },
     ..map(
         "a metal map",
         "An image with roughness in green and metalness in blue, which set the material.",
