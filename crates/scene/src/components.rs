@@ -7,6 +7,7 @@
 //! [`AreaLight`] and the geometry of its shape. Ambient light by the normal is an entity with [`Sky`], what surrounds the
 //! scene one with [`Environment`]. The camera has [`View`], [`ThinLens`] unless it is a pinhole, and [`CameraPath`] if it
 //! moves. An instance has [`InstanceOf`] in place of a shape's geometry. One entity holds [`Settings`].
+//! A ground that is added to a file without lights is a shape with [`Ground`].
 //!
 //! Lengths are in the scene's own unit; colours are linear, 0 to 1. Numbers keep the precision of
 //! the file; the systems round them once, after the transform.

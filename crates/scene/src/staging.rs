@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use crate::components::{CutOut, Material, View};
 use crate::mesh::MeshData;
 use crate::mtl::GREY;
-use crate::systems::bounds::{self, EMPTY, Ends, joined};
+use crate::systems::bounds::{self, EMPTY, Ends, around, joined, wide};
 use crate::systems::cutouts::{Masks, left};
 
 pub(crate) use camera::{Framed, framed, view};
@@ -63,9 +63,11 @@ impl<'a> VisibleMesh<'a> {
         }
     }
 
-    /// The box around a mesh in place of the mesh.
+    /// The corners of the box around a mesh, which has some points.
     pub(crate) fn boxed(mesh: &MeshData) -> Self {
-        Self { points: corners(&mesh.positions).into(), triangles: (&[]).into() }
+        let corners = bounds::corners(wide(around(&mesh.positions)));
+        let points: Vec<Vec3> = corners.iter().map(|corner| corner.as_vec3()).collect();
+        Self { points: points.into(), triangles: (&[]).into() }
     }
 
     /// An instance with each of these transforms.
@@ -199,13 +201,6 @@ impl<'a> Scenery<'a> {
     }
 }
 
-/// The eight corners of the box around some points; empty without points.
-fn corners(points: &[Vec3]) -> Vec<Vec3> {
-    let ends = Scenery::new(vec![MeshInstance::new(points, &[], DAffine3::IDENTITY)]).ends;
-    let count = if points.is_empty() { 0 } else { 8 };
-    bounds::corners(ends).into_iter().take(count).map(|corner| corner.as_vec3()).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -246,7 +241,6 @@ mod tests {
             Scenery::new(vec![]).sphere,
             BoundingSphere { center: DVec3::ZERO, radius: 1.0 }
         );
-        assert_eq!(corners(&points).len(), 8);
         // A point that no triangle uses is invisible.
         let seen = MeshInstance::new(&points, &[[0, 2, 3]], DAffine3::IDENTITY);
         assert_eq!(Scenery::new(vec![seen]).sphere.center, DVec3::new(0.0, 0.5, 0.5));

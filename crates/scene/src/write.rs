@@ -59,7 +59,7 @@ pub fn write(scene: &LoadedScene, path: &Path, replaces: bool) -> Result<Vec<Pat
         })?;
     }
     // Last, so that an existing scene file refers to existing files.
-    write_json(&value, path)?;
+    replace_file(path, |sink| writeln!(sink, "{value:#}").map_err(|e| write_error(path, e)))?;
     Ok(all)
 }
 
@@ -84,20 +84,13 @@ fn check_source(source: &TextureSource, folder: &Folder) -> Result<()> {
             Err(error.remedy("copy it there, or allow others with --allow-outside"))
         }
         TextureSource::File(_) => Ok(()),
-        TextureSource::Embedded { place, bytes } => match image::guess_format(bytes) {
-            Ok(_) => Ok(()),
-            Err(e) => {
+        TextureSource::Embedded { place, bytes } => {
+            image::guess_format(bytes).map(drop).map_err(|e| {
                 let message = format!("cannot tell the format of the image: {e}");
-                Err(Error::new(ErrorKind::Texture, message).at(place).because(e))
-            }
-        },
+                Error::new(ErrorKind::Texture, message).at(place).because(e)
+            })
+        }
     }
-}
-
-fn write_json(value: &Value, path: &Path) -> Result<()> {
-    let text = serde_json::to_string_pretty(value)
-        .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;
-    write_text(path, &(text + "\n"))
 }
 
 fn copy_error(source: &TextureSource, file: &Path, error: io::Error) -> Error {

@@ -9,7 +9,7 @@
 //! Everything is integer arithmetic, or `+ - *` on 64-bit floats in a fixed order, so a value has
 //! the same bits on every machine.
 
-use glam::DVec3;
+use glam::{DVec3, FloatExt as _};
 
 /// Growth of the frequency from one octave to the next.
 const LACUNARITY: f64 = 2.0;
@@ -97,11 +97,11 @@ fn gradient_noise(p: DVec3, seed: u64) -> f64 {
         gradient.dot(DVec3::new(fx - dx as f64, fy - dy as f64, fz - dz as f64))
     };
     let u = fade(fx);
-    let edge = |dy, dz| lerp(u, corner(0, dy, dz), corner(1, dy, dz));
+    let edge = |dy, dz| corner(0, dy, dz).lerp_monotonic(corner(1, dy, dz), u);
     let v = fade(fy);
-    let face = |dz| lerp(v, edge(0, dz), edge(1, dz));
+    let face = |dz| edge(0, dz).lerp_monotonic(edge(1, dz), v);
     // The true bound is about 1.04; the clamp makes bounds on displacements exact.
-    lerp(fade(fz), face(0), face(1)).clamp(-1.0, 1.0)
+    face(0).lerp_monotonic(face(1), fade(fz)).clamp(-1.0, 1.0)
 }
 
 /// The integer at or below `x`, and the remainder.
@@ -114,10 +114,6 @@ fn split(x: f64) -> (i64, f64) {
 /// Perlin's quintic: from 0 to 1, with first and second derivatives zero at both ends.
 fn fade(t: f64) -> f64 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
-}
-
-fn lerp(t: f64, a: f64, b: f64) -> f64 {
-    a + t * (b - a)
 }
 
 /// The gradient of a lattice point.

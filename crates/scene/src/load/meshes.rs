@@ -58,12 +58,9 @@ fn leave_out_unseen(world: &mut World, notes: &Notes<'_>) {
     let mut hidden = ordered::<&Hidden>(world);
     hidden.retain(|shape| !prototypes.contains(&shape.entity()));
     for shape in &hidden {
+        let place = json_path(world, shape.entity());
         let message = "the shape is hidden and has no instance";
-        notes.note(
-            &json_path(world, shape.entity()),
-            message,
-            "add an instance, or remove \"hidden\"",
-        );
+        notes.note(&place, message, "add an instance, or remove \"hidden\"");
         if let Ok((mesh, pictured)) = shape.query::<(Option<&MeshFile>, Pictured<'_>)>().get() {
             mesh.into_iter().for_each(|mesh| notes.reads(&mesh.file));
             images_of(pictured).for_each(|file| notes.reads(file));

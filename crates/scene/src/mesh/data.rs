@@ -144,21 +144,22 @@ impl MeshData {
             colors: self.colors.as_ref().map(|colors| picked(colors, &used)),
             alphas: self.alphas.as_ref().map(|alphas| picked(alphas, &used)),
             triangles,
-            normals: self.normals.as_ref().map(|all| all.part(which, &used, numbers)),
-            uvs: self.uvs.as_ref().map(|all| all.part(which, &used, numbers)),
+            normals: self.normals.as_ref().map(|all| attribute(all, which, &used, numbers)),
+            uvs: self.uvs.as_ref().map(|all| attribute(all, which, &used, numbers)),
         }
     }
 }
 
-impl<T: Copy> Attribute<T> {
-    /// That of the triangles in `which`, given the positions that they have `used`.
-    fn part(&self, which: &[u32], used: &[u32], numbers: &mut Vec<u32>) -> Self {
-        let Some(indices) = &self.indices else {
-            return Self { values: picked(&self.values, used), indices: None };
-        };
-        let (indices, used) = renumbered(which, indices, self.values.len(), numbers);
-        Self { values: picked(&self.values, &used), indices: Some(indices) }
-    }
+/// The attribute of the triangles in `which`, given the positions that they have `used`.
+fn attribute<T: Copy>(
+    Attribute { values, indices }: &Attribute<T>,
+    which: &[u32],
+    used: &[u32],
+    numbers: &mut Vec<u32>,
+) -> Attribute<T> {
+    let Some(indices) = indices else { return picked(values, used).into() };
+    let (indices, used) = renumbered(which, indices, values.len(), numbers);
+    Attribute { values: picked(values, &used), indices: Some(indices) }
 }
 
 fn picked<T: Copy>(values: &[T], which: &[u32]) -> Vec<T> {

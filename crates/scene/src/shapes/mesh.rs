@@ -215,14 +215,10 @@ impl Declared for Mesh {
         to.set("points", self.points.as_ref().map_or_else(|| json!(positions), |all| json!(all)));
         let corners: Vec<_> = triangles.iter().map(|corners| reversed(*corners)).collect();
         to.set("indices", json!(corners));
-        let normals = normals.as_ref().map(|normals| json!(normals.values));
-        let uvs = uvs.as_ref().map(|uvs| json!(uvs.values));
-        let (colors, alphas) =
-            (colors.as_ref().map(|c| json!(c)), alphas.as_ref().map(|a| json!(a)));
-        let all = [("normals", normals), ("colors", colors), ("uvs", uvs), ("alphas", alphas)];
-        for (key, values) in all {
-            values.into_iter().for_each(|values| to.set(key, values));
-        }
+        normals.iter().for_each(|normals| to.set("normals", json!(normals.values)));
+        colors.iter().for_each(|colors| to.set("colors", json!(colors)));
+        uvs.iter().for_each(|uvs| to.set("uvs", json!(uvs.values)));
+        alphas.iter().for_each(|alphas| to.set("alphas", json!(alphas)));
     }
 }
 

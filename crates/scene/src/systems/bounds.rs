@@ -27,7 +27,7 @@ pub(crate) fn corners([low, high]: Ends) -> [DVec3; 8] {
 }
 
 /// The smallest box around points; [`Aabb::EMPTY`] without points.
-pub(super) fn around(points: &[Vec3]) -> Aabb {
+pub(crate) fn around(points: &[Vec3]) -> Aabb {
     let point = |&p: &Vec3| Aabb { low: p, high: p };
     points.par_iter().map(point).reduce(|| Aabb::EMPTY, Aabb::union)
 }
@@ -51,7 +51,7 @@ pub fn of_file(scene: &PreparedScene) -> Option<[DVec3; 2]> {
 }
 
 /// A box in double precision.
-pub(super) fn wide(bounds: Aabb) -> Ends {
+pub(crate) fn wide(bounds: Aabb) -> Ends {
     [bounds.low.as_dvec3(), bounds.high.as_dvec3()]
 }
 

@@ -22,7 +22,7 @@ use wavecrest_core::geometry::cutouts::{Cutout, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::texture::{Filter, LazyImage, Wrap};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
-use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
+use wavecrest_core::prepared::{MeshAttributes, Shape, UvMap};
 
 /// Adds the cut-outs that rays may meet and that remove anything, as alphas of vertices below 1 may, to the
 /// geometry, and returns their images, of the scene in `file`.
@@ -46,14 +46,16 @@ pub(super) fn run(
     let (mut own, mut of_prototypes) = (Vec::new(), vec![None; geometry.prototypes.len()]);
     let mut used: Vec<Arc<LazyImage>> = Vec::new();
     for (cut_out, shape, uv_map, has_holes) in met_cut_outs {
-        *has_holes = alphas(shape, meshes).is_some() || images.has_holes(cut_out);
+        let attributes = shape.mesh.and_then(|mesh| meshes.get(mesh as usize));
+        let has_alphas = attributes.is_some_and(|mesh| mesh.alphas.is_some());
+        *has_holes = has_alphas || images.has_holes(cut_out);
         if !*has_holes {
             continue;
         }
         let image = images.of(cut_out).map(|found| Arc::clone(&found.image));
         let is_known = |image| used.iter().any(|known| Arc::ptr_eq(known, image));
         used.extend(image.as_ref().filter(|image| !is_known(image)).map(Arc::clone));
-        let cutout = cutout(shape, uv_map, cut_out, image, meshes);
+        let cutout = cutout(shape, uv_map, cut_out, image, attributes);
         match prototype(geometry, shape) {
             None => own.push(cutout),
             // All instances of a prototype have the same cut-out.
@@ -70,31 +72,18 @@ pub(super) fn run(
     Ok(used)
 }
 
-fn attributes<'a>(shape: &Shape, meshes: &'a [MeshAttributes]) -> Option<&'a MeshAttributes> {
-    meshes.get(shape.mesh? as usize)
-}
-
-/// The alphas of its vertices.
-fn alphas<'a>(shape: &Shape, meshes: &'a [MeshAttributes]) -> Option<&'a Arc<CornerValues<f32>>> {
-    attributes(shape, meshes)?.alphas.as_ref()
-}
-
 fn cutout(
     shape: &Shape,
     map: UvMap,
     found: &CutOut,
     image: Option<Arc<LazyImage>>,
-    meshes: &[MeshAttributes],
+    attributes: Option<&MeshAttributes>,
 ) -> Cutout {
-    let alphas = alphas(shape, meshes);
-    let mesh = attributes(shape, meshes).and_then(|attributes| {
-        let none = || alphas.map(|_| Arc::new(CornerValues::default()));
-        Some(MeshUvs {
-            first_triangle: attributes.first_triangle,
-            first_position: attributes.first_position,
-            uvs: attributes.uvs.as_ref().map(Arc::clone).or_else(none)?,
-            alphas: alphas.map(Arc::clone),
-        })
+    let mesh = attributes.and_then(|mesh| {
+        let &MeshAttributes { first_triangle, first_position, ref uvs, ref alphas, .. } = mesh;
+        let none = || alphas.as_ref().map(|_| Arc::default());
+        let uvs = uvs.clone().or_else(none)?;
+        Some(MeshUvs { first_triangle, first_position, uvs, alphas: alphas.clone() })
     });
     Cutout {
         primitives: shape.primitives.clone(),

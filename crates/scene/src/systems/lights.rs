@@ -19,20 +19,15 @@ pub(super) use emitters::ShapeEmitter;
 
 /// Spawns an entity for each light, in the order of the file, moved like its shapes.
 pub(crate) fn run(world: &mut World, frame: &Frame, geometry: &Geometry) -> Result<()> {
-    let (points, areas) = (emitters::points(world, frame), emitters::areas(world, frame)?);
-    let directional = emitters::directional(world, frame, geometry);
-    let mut found: Vec<(Entity, Light)> =
-        [points, directional, areas, emitters::skies(world, geometry)]
-            .into_iter()
-            .flatten()
-            .collect();
+    let mut found = emitters::points(world, frame);
+    found.extend(emitters::directional(world, frame, geometry));
+    found.extend(emitters::areas(world, frame)?);
+    found.extend(emitters::skies(world, geometry));
     // Ambient light comes after the lights of the file, whose random numbers it leaves as they are.
-    found.sort_by_key(|(entity, _)| {
-        world.get::<&Order>(*entity).map_or(Order(u32::MAX), |order| *order)
-    });
-    let lights = found.into_iter();
-    world
-        .spawn_batch(lights.map(|(entity, light)| (Source(entity), light, Illuminates::default())));
+    let order = |entity| world.get::<&Order>(entity).map_or(Order(u32::MAX), |order| *order);
+    found.sort_by_cached_key(|(entity, _)| order(*entity));
+    let all = found.into_iter();
+    world.spawn_batch(all.map(|(entity, light)| (Source(entity), light, Illuminates::default())));
     Ok(())
 }
 

@@ -118,9 +118,8 @@ impl Images {
         if !self.decoded.contains_key(&texel_source(texture)) {
             let source = &texture.look_up.source;
             let _reading = reading(source);
-            let read = Head::of(source).and_then(|_| decoded(source));
             let at = format!("{place}.{key}");
-            let read = read.map_err(|error| error.in_file(&self.file).at(at))?;
+            let read = decoded(source).map_err(|error| error.in_file(&self.file).at(at))?;
             let mut keep = |texture: &TextureRef, read: DynamicImage| {
                 let image = of_texture(read, texture, false);
                 let is_one = range(&image, 0) == [1.0; 2];

@@ -46,7 +46,7 @@ pub(super) fn directional(world: &World, frame: &Frame, geometry: &Geometry) -> 
     let lights = lights.iter().map(|(entity, light)| {
         // A pass over every position, only if there is such a light.
         let size = *size.get_or_insert_with(|| diameter(geometry));
-        let is_parallel = is_parallel(light, size, || resolution(&frame.cameras, geometry));
+        let is_parallel = is_parallel(light, size, frame, geometry);
         let angle = if is_parallel { 0.0 } else { light.angle_degrees };
         let distant = Distant::new(-unit(light.direction), angle, size);
         // Parallel rays need only one sample.
@@ -63,14 +63,15 @@ pub(super) fn directional(world: &World, frame: &Frame, geometry: &Geometry) -> 
 fn is_parallel(
     light: &DirectionalLight,
     diameter: f64,
-    resolution: impl FnOnce() -> (f64, f64),
+    frame: &Frame,
+    geometry: &Geometry,
 ) -> bool {
     let strength = (light.intensity * light.color.max_element()).max(1.0);
     let changes = 2.0 * libm::sin((light.angle_degrees / 2.0).to_radians()) * strength;
     let least = f64::from(HALF_LEVEL);
     // The slope of a highlight cos^e is at most sqrt(e).
     let is_small = changes * Material::SHARPEST.sqrt() < least;
-    is_small && changes * diameter < least * resolution().0
+    is_small && changes * diameter < least * resolution(&frame.cameras, geometry).0
 }
 
 /// The area lights.
