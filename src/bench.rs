@@ -17,7 +17,9 @@ use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_report::bench::page::{STEPS, machine, overview, page, scene, write_figures};
 use wavecrest_report::bench::variant::{BATCHES, Varied};
-use wavecrest_report::bench::{BenchPlan, BenchReport, BenchSetting, Preparation, Run, SceneBench};
+use wavecrest_report::bench::{
+    BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench, TimedRender,
+};
 use wavecrest_report::effects::scenes::{SceneVariant, variants};
 use wavecrest_report::effects::{self, EffectScene};
 use wavecrest_report::measure::RoundLimits;
@@ -237,7 +239,7 @@ fn price_effects(args: &BenchArgs) -> Result<bool> {
     let SearchOptions { simd, kernel } = args.search;
     let precision = args.scene_options.precision;
     let setting = effects::EffectSetting { simd, kernel, precision, batch: args.batch as usize };
-    let trace = |scene: &_, tracer| Run::of(scene, &args.options(tracer));
+    let trace = |scene: &_, tracer| TimedRender::of(scene, &args.options(tracer));
     let list = with_bar(args.scene_options.quiet, RUNS, |progress| {
         effects::measure(&entries, setting, &args.schedule(), trace, progress)
     })?;

@@ -57,7 +57,7 @@ mod tests;
 pub mod variant;
 
 pub(crate) use compare::Ratio;
-pub use compare::Run;
+pub use compare::TimedRender;
 pub use machine::Circumstances;
 pub(crate) use machine::Machine;
 pub use report::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};

@@ -33,7 +33,7 @@ use serde::Serialize;
 
 use crate::bench::equal::RunDifference;
 use crate::bench::page::machine;
-use crate::bench::{Machine, Ratio, Run};
+use crate::bench::{Machine, Ratio, TimedRender};
 use crate::measure::{RoundLimits, Rounds, Timing, busy};
 use crate::page::{Block, Cell, Table};
 use crate::statistics::ImageSize;
@@ -115,7 +115,7 @@ pub fn measure(
     entries: &[EffectScene],
     setting: EffectSetting,
     schedule: &RoundLimits,
-    mut trace: impl FnMut(&PreparedScene, TracerKind) -> Result<Run>,
+    mut trace: impl FnMut(&PreparedScene, TracerKind) -> Result<TimedRender>,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<PriceList> {
     let mut firsts: Vec<Rendered> = Vec::new();
@@ -131,7 +131,7 @@ pub fn measure(
     let run = |variant: usize| {
         let (index, tracer) = (variant / TRACERS.len(), TRACERS[variant % TRACERS.len()]);
         let EffectScene { variant, scene } = &entries[index];
-        let Run { timing, rendered } = trace(scene, tracer)?;
+        let TimedRender { timing, rendered } = trace(scene, tracer)?;
         // The first round is in the order of the entries, a base before what is added to it.
         if firsts.len() == index {
             firsts.push(rendered.clone());
@@ -143,11 +143,11 @@ pub fn measure(
         Ok(list.difference.is_none().then_some((timing, ())))
     };
     let measured = crate::measure::measure(TRACERS.len() * entries.len(), schedule, run, progress)?;
-    let Some(measured) = measured else { return Ok(list) };
-    list.rounds = measured.rounds;
+    let Some((runs, rounds)) = measured else { return Ok(list) };
+    list.rounds = rounds;
     let all = |of: fn(&Timing) -> f64| -> Vec<Vec<f64>> {
         let each = |runs: &Vec<(Timing, ())>| runs.iter().map(|(timing, ())| of(timing)).collect();
-        measured.variants.iter().map(each).collect()
+        runs.iter().map(each).collect()
     };
     let (seconds, processor) = (all(|t| t.seconds), all(|t| t.processor.unwrap_or(f64::NAN)));
     let price = |(index, first)| price(entries, [&seconds, &processor], index, first);

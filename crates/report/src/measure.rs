@@ -37,14 +37,8 @@ pub struct Timing {
     pub processor: Option<f64>,
 }
 
-/// The timed runs of all variants.
-#[derive(Clone, Debug)]
-pub struct TimedRounds<T> {
-    /// The runs of each variant, round by round.
-    pub variants: Vec<Vec<(Timing, T)>>,
-    /// The rounds.
-    pub rounds: Rounds,
-}
+/// The timed runs of each variant, round by round, with what is kept of each.
+pub type TimedRuns<T> = Vec<Vec<(Timing, T)>>;
 
 /// Numbers of rounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -92,7 +86,8 @@ const TRIES: usize = 2;
 
 /// Runs all of `variants` in turn as in `schedule`. `run` receives the number of a variant and
 /// returns the duration of its run, with whatever else is to be kept of it, or `None` to end the
-/// measurement without a result. Before each run, `progress` receives the runs that are done, without those of busy rounds,
+/// measurement without a result. If too few rounds are quiet, those of the others that got most processor time count too.
+/// Before each run, `progress` receives the runs that are done, without those of busy rounds,
 /// and the expected total.
 ///
 /// # Errors
@@ -102,53 +97,55 @@ pub fn measure<T>(
     schedule: &RoundLimits,
     mut run: impl FnMut(usize) -> Result<Option<(Timing, T)>>,
     progress: &mut dyn FnMut(u64, u64),
-) -> Result<Option<TimedRounds<T>>> {
-    let mut rounds: Vec<Vec<(Timing, T)>> = Vec::new();
-    let mut round = 0_usize;
+) -> Result<Option<(TimedRuns<T>, Rounds)>> {
+    let mut runs: TimedRuns<T> = (0..variants).map(|_| Vec::new()).collect();
+    let (mut round, mut all) = (0_usize, Vec::new());
     let warmup = schedule.warmup.max(1);
     let (mut done, mut planned) = (0, schedule.planned(0, 0.0));
-    loop {
-        let mut runs: Vec<Option<(Timing, T)>> = (0..variants).map(|_| None).collect();
+    let is_quiet = loop {
         for turn in 0..variants {
             let step = if round.is_multiple_of(2) { turn } else { variants - turn };
             let variant = (round + step) % variants;
             let before = (round.min(warmup) + done) * variants + turn;
             progress(before as u64, ((warmup + planned) * variants) as u64);
-            let found = run(variant)?;
-            if found.is_none() {
-                return Ok(None);
+            let Some(found) = run(variant)? else { return Ok(None) };
+            if round >= warmup {
+                runs[variant].push(found);
             }
-            runs[variant] = found;
-        }
-        if round >= warmup {
-            rounds.push(runs.into_iter().flatten().collect());
-        }
-        let is_quiet = quiet(&rounds.iter().map(|runs| whole(runs)).collect::<Vec<_>>());
-        done = is_quiet.iter().filter(|quiet| **quiet).count();
-        planned = schedule.planned(done, shortest(variants, &rounds, &is_quiet));
-        if done >= planned || rounds.len() >= TRIES * planned || variants == 0 {
-            return Ok(Some(TimedRounds::of(variants, rounds, &is_quiet, planned)));
         }
         round += 1;
+        if round <= warmup {
+            continue;
+        }
+        all.push(runs.iter().filter_map(|runs| Some(runs.last()?.0)).sum());
+        let is_quiet = quiet(&all);
+        done = is_quiet.iter().filter(|quiet| **quiet).count();
+        let seconds = |runs: &Vec<(Timing, T)>| {
+            let quiet = runs.iter().zip(&is_quiet).filter(|(_, quiet)| **quiet);
+            quiet.map(|((timing, _), _)| timing.seconds).sum::<f64>()
+        };
+        planned = schedule.planned(done, runs.iter().map(seconds).fold(f64::INFINITY, f64::min));
+        if done >= planned || all.len() >= TRIES * planned {
+            break is_quiet;
+        }
+    };
+    let mut busy: Vec<usize> = (0..all.len()).filter(|round| !is_quiet[*round]).collect();
+    let share = |round: &usize| all[*round].processors().unwrap_or_default();
+    busy.sort_by(|a, b| share(b).total_cmp(&share(a)));
+    busy.truncate(planned.saturating_sub(done));
+    for runs in &mut runs {
+        let mut round = 0..;
+        let is_kept = |round| is_quiet[round] || busy.contains(&round);
+        runs.retain(|_| round.next().is_some_and(is_kept));
     }
+    let (rounds, busy) = (done + busy.len(), busy.len());
+    Ok(Some((runs, Rounds { rounds, left_out: all.len() - rounds, busy })))
 }
 
 /// The numbers of up to `most` rounds, of which none but the first starts after so many `seconds`.
 pub(crate) fn rounds(most: usize, seconds: f64) -> impl Iterator<Item = usize> {
     let start = Instant::now();
     (0..most).take_while(move |round| *round == 0 || start.elapsed().as_secs_f64() <= seconds)
-}
-
-/// The duration of all runs of a round.
-fn whole<T>(runs: &[(Timing, T)]) -> Timing {
-    runs.iter().map(|(timing, _)| *timing).sum()
-}
-
-/// Seconds of the quiet runs of the fastest variant.
-fn shortest<T>(variants: usize, rounds: &[Vec<(Timing, T)>], is_quiet: &[bool]) -> f64 {
-    let kept = || rounds.iter().zip(is_quiet).filter(|(_, quiet)| **quiet);
-    let sum = |variant: usize| kept().map(|(runs, _)| runs[variant].0.seconds).sum::<f64>();
-    (0..variants).map(sum).reduce(f64::min).unwrap_or_default()
 }
 
 /// Which of some rounds of the same work are not busy.
@@ -197,32 +194,6 @@ impl std::iter::Sum for Timing {
             seconds: sum.seconds + one.seconds,
             processor: sum.processor.zip(one.processor).map(|(a, b)| a + b),
         })
-    }
-}
-
-impl<T> TimedRounds<T> {
-    /// The quiet rounds, and if they are fewer than `planned`, those of the others that got most
-    /// processor time.
-    fn of(
-        variants: usize,
-        rounds: Vec<Vec<(Timing, T)>>,
-        is_quiet: &[bool],
-        planned: usize,
-    ) -> Self {
-        let all = rounds.len();
-        let mut busy: Vec<usize> = (0..all).filter(|round| !is_quiet[*round]).collect();
-        let share = |round: &usize| whole(&rounds[*round]).processors().unwrap_or_default();
-        busy.sort_by(|a, b| share(b).total_cmp(&share(a)));
-        busy.truncate(planned.saturating_sub(all - busy.len()));
-        let mut kept: Vec<Vec<(Timing, T)>> = (0..variants).map(|_| Vec::new()).collect();
-        for (round, runs) in rounds.into_iter().enumerate() {
-            if is_quiet[round] || busy.contains(&round) {
-                kept.iter_mut().zip(runs).for_each(|(kept, run)| kept.push(run));
-            }
-        }
-        let rounds = kept.first().map_or(0, Vec::len);
-        let rounds = Rounds { rounds, left_out: all - rounds, busy: busy.len() };
-        Self { variants: kept, rounds }
     }
 }
 

@@ -59,7 +59,7 @@ pub fn write(scene: &LoadedScene, path: &Path, replaces: bool) -> Result<Vec<Pat
         })?;
     }
     // Last, so that an existing scene file refers to existing files.
-    replace_file(path, |sink| writeln!(sink, "{value:#}").map_err(|e| write_error(path, e)))?;
+    write_text(path, &format!("{value:#}\n"))?;
     Ok(all)
 }
 

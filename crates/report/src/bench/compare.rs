@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::equal::RunDifference;
 use super::variant::{ListedVariant, Variant, Varied};
-use crate::measure::{RoundLimits, Rounds, TimedRounds, Timing, measure};
+use crate::measure::{RoundLimits, Rounds, TimedRuns, Timing, measure};
 use crate::page::Cell;
 use crate::statistics::as_map;
 use crate::summary::{MedianInterval, Summary, median};
@@ -123,16 +123,16 @@ pub struct PassCost {
 /// The resolution of the clock in seconds: no run is shorter, so that ratios of times are finite.
 const CLOCK_STEP: f64 = 1e-9;
 
-/// One run.
+/// A render with its time.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct TimedRender {
     /// Its duration.
     pub timing: Timing,
     /// Its image and its work.
     pub rendered: Rendered,
 }
 
-impl Run {
+impl TimedRender {
     /// Renders `scene` on the threads of the current pool.
     ///
     /// # Errors
@@ -159,8 +159,14 @@ impl<'a> Runner<'a> {
         Self { scene, seed, planned, pools: BTreeMap::new() }
     }
 
+    /// The scene with its own plan.
+    pub(super) fn planned(self) -> &'a PreparedScene {
+        self.scene.plan = self.planned;
+        self.scene
+    }
+
     /// One run of `variant`.
-    pub(super) fn run(&mut self, variant: &Variant) -> Result<Run> {
+    pub(super) fn run(&mut self, variant: &Variant) -> Result<TimedRender> {
         let &Variant { tracer, kernel, simd, batch, threads, planned } = variant;
         self.scene.accel.kernel = kernel;
         if let Some(level) = simd.token() {
@@ -173,7 +179,7 @@ impl<'a> Runner<'a> {
         let options = RenderOptions { tracer, batch, seed: self.seed, crop: None };
         let scene = &*self.scene;
         if threads == rayon::current_num_threads() {
-            return Run::of(scene, &options);
+            return TimedRender::of(scene, &options);
         }
         let pool = match self.pools.entry(threads) {
             Entry::Occupied(pool) => pool.into_mut(),
@@ -185,7 +191,7 @@ impl<'a> Runner<'a> {
                 })?)
             }
         };
-        pool.install(|| Run::of(scene, &options))
+        pool.install(|| TimedRender::of(scene, &options))
     }
 }
 
@@ -204,13 +210,13 @@ pub(super) fn compare(
     of: Varied,
     choices: &[ListedVariant],
     schedule: &RoundLimits,
-    mut trace: impl FnMut(&Variant) -> Result<Run>,
+    mut trace: impl FnMut(&Variant) -> Result<TimedRender>,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<BenchComparison> {
     let (mut first, mut difference) = (None, None);
     let run = |variant: usize| {
         let choice = &choices[variant];
-        let Run { timing, rendered } = trace(&choice.variant)?;
+        let TimedRender { timing, rendered } = trace(&choice.variant)?;
         let first = first.get_or_insert_with(|| rendered.clone());
         // Without the plan there is more work, for the same image.
         let counts = |found: &RunDifference| of != Varied::Plan || found.is_image;
@@ -222,19 +228,18 @@ pub(super) fn compare(
         let (passes, columns) = (rendered.pass_seconds, rendered.columns);
         Ok(Some((timing, KeptRun { passes, counters: rendered.counters, columns })))
     };
-    let none = TimedRounds { variants: Vec::new(), rounds: Rounds::default() };
-    let measured = measure(choices.len(), schedule, run, progress)?.unwrap_or(none);
+    let (runs, rounds) = measure(choices.len(), schedule, run, progress)?.unwrap_or_default();
     Ok(BenchComparison {
         of,
-        rounds: measured.rounds,
-        variants: variants(choices, &measured.variants),
+        rounds,
+        variants: variants(choices, &runs),
         difference,
         counters: first.map(|first| first.counters).unwrap_or_default(),
     })
 }
 
 /// The results of each variant, given its runs.
-fn variants(choices: &[ListedVariant], measured: &[Vec<(Timing, KeptRun)>]) -> Vec<VariantBench> {
+fn variants(choices: &[ListedVariant], measured: &TimedRuns<KeptRun>) -> Vec<VariantBench> {
     let seconds = |runs: &Vec<(Timing, KeptRun)>| runs.iter().map(|(t, _)| t.seconds).collect();
     let seconds: Vec<Vec<f64>> = measured.iter().map(seconds).collect();
     let one = |(index, runs): (usize, &Vec<(Timing, KeptRun)>)| {
@@ -272,11 +277,6 @@ fn passes(runs: &[(Timing, KeptRun)]) -> Vec<(&'static str, f64)> {
     let names = runs.first().into_iter().flat_map(|(_, kept)| &kept.passes).map(|(name, _)| *name);
     let each = |pass: usize| runs.iter().map(|(_, kept)| kept.passes[pass].1).collect::<Vec<_>>();
     names.enumerate().map(|(pass, name)| (name, median(&each(pass)))).collect()
-}
-
-/// The sum of the seconds of passes.
-pub(super) fn sum(passes: &[(&str, f64)]) -> f64 {
-    passes.iter().map(|(_, seconds)| seconds).sum()
 }
 
 /// The costs of those of the `passes` that have work, with their seconds. The recursive tracer has none.

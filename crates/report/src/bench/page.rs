@@ -5,7 +5,7 @@ mod comparison;
 
 use std::path::Path;
 
-use super::compare::{VariantBench, sum};
+use super::compare::VariantBench;
 use super::machine::{Cache, Circumstances, Machine};
 use super::report::{BenchReport, SceneBench, waiting};
 use crate::measure;
@@ -131,7 +131,8 @@ fn largest(variant: &VariantBench) -> String {
     let largest = variant.passes.iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
     largest.filter(|(_, seconds)| *seconds > 0.0).map_or_else(String::new, |(pass, seconds)| {
         let take = if pass.ends_with('s') { "take" } else { "takes" };
-        let share = 100.0 * seconds / sum(&variant.passes);
+        let all: f64 = variant.passes.iter().map(|(_, seconds)| seconds).sum();
+        let share = 100.0 * seconds / all;
         format!("; {pass} {take} {share:.0}\u{a0}% of its time")
     })
 }

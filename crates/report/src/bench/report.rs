@@ -113,51 +113,48 @@ impl SceneBench {
             threads: rayon::current_num_threads(),
             planned: true,
         };
-        let mut report = Self::unmeasured(scene, setting);
-        let mut runner = Runner::new(scene, report.setting.seed);
+        let mut runner = Runner::new(scene, setting.seed);
         let others = plan.axes.iter().copied().filter(|axis| *axis != Varied::Ladder);
+        let mut comparisons: Vec<BenchComparison> = Vec::new();
         for axis in std::iter::once(Varied::Ladder).chain(others) {
             let choices = axis.choices(usual, &plan.batches);
             let trace = |variant: &Variant| runner.run(variant);
-            report.add(compare(axis, &choices, &plan.schedule, trace, progress)?);
-            if !report.equal {
+            comparisons.push(compare(axis, &choices, &plan.schedule, trace, progress)?);
+            if comparisons.iter().any(|found| found.difference.is_some()) {
                 break;
             }
         }
-        report.memory.peak = memory::peak();
-        Ok(report)
+        Ok(Self::of(runner.planned(), setting, comparisons))
     }
 
-    /// The report before the first comparison.
-    pub(super) fn unmeasured(scene: &PreparedScene, setting: BenchSetting) -> Self {
+    /// The report on these `comparisons`, the ladder first.
+    pub(super) fn of(
+        scene: &PreparedScene,
+        setting: BenchSetting,
+        comparisons: Vec<BenchComparison>,
+    ) -> Self {
+        let counters = comparisons.first().map(|ladder| ladder.counters).unwrap_or_default();
+        // One for each remedy is enough.
+        let remedy = |words: &str| words.rsplit(": ").next().map(str::to_owned);
+        let mut told: Vec<String> = Vec::new();
+        for warning in comparisons.iter().flat_map(warnings) {
+            if told.iter().all(|known| remedy(known) != remedy(&warning)) {
+                told.push(warning);
+            }
+        }
         Self {
+            setting,
             image: ImageSize::of(scene),
             shapes: scene.accel.geometry().counts(),
             lights: scene.lights.len(),
             bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
-            memory: Memory { peak: None },
-            setting,
-            equal: true,
-            rays: RayCounts::default(),
-            invalid: 0,
-            comparisons: Vec::new(),
-            warnings: Vec::new(),
+            memory: Memory { peak: memory::peak() },
+            equal: comparisons.iter().all(|found| found.difference.is_none()),
+            rays: counters.rays,
+            invalid: counters.invalid,
+            comparisons,
+            warnings: told,
         }
-    }
-
-    pub(super) fn add(&mut self, found: BenchComparison) {
-        if self.comparisons.is_empty() {
-            (self.rays, self.invalid) = (found.counters.rays, found.counters.invalid);
-        }
-        // One for each remedy is enough.
-        for warning in warnings(&found) {
-            let remedy = |words: &str| words.rsplit(": ").next().map(str::to_owned);
-            if self.warnings.iter().all(|known| remedy(known) != remedy(&warning)) {
-                self.warnings.push(warning);
-            }
-        }
-        self.equal &= found.difference.is_none();
-        self.comparisons.push(found);
     }
 
     /// The ladder, if its images are equal.

@@ -71,7 +71,7 @@ fn compared(
     of: Varied,
     rounds: usize,
     seconds: impl Fn(usize, usize) -> f64,
-    spoil: impl Fn(usize, &mut Run),
+    spoil: impl Fn(usize, &mut TimedRender),
 ) -> BenchComparison {
     compared_in(&prepared(SCENE), of, rounds, seconds, spoil)
 }
@@ -81,15 +81,15 @@ fn compared_in(
     of: Varied,
     rounds: usize,
     seconds: impl Fn(usize, usize) -> f64,
-    spoil: impl Fn(usize, &mut Run),
+    spoil: impl Fn(usize, &mut TimedRender),
 ) -> BenchComparison {
     let choices = of.choices(usual(), &BATCHES);
     let mut runs = vec![0; choices.len()];
-    let trace = |variant: &Variant| -> Result<Run> {
+    let trace = |variant: &Variant| -> Result<TimedRender> {
         let number = choices.iter().position(|choice| choice.variant == *variant).unwrap();
         let &Variant { tracer, batch, .. } = variant;
         let options = RenderOptions { tracer, batch, seed: 3, crop: None };
-        let mut run = Run::of(scene, &options)?;
+        let mut run = TimedRender::of(scene, &options)?;
         run.timing = Timing { seconds: seconds(number, runs[number]), processor: None };
         runs[number] += 1;
         spoil(number, &mut run);
@@ -100,9 +100,7 @@ fn compared_in(
 
 /// A report with this ladder.
 fn report(name: &str, ladder: BenchComparison) -> SceneBench {
-    let mut report = SceneBench::unmeasured(&prepared(SCENE), setting(name));
-    report.add(ladder);
-    report
+    SceneBench::of(&prepared(SCENE), setting(name), vec![ladder])
 }
 
 /// Each step takes 0.8 of the time of the one before.
@@ -113,7 +111,7 @@ fn steady() -> SceneBench {
 
 /// A report in which the first step changes a pixel.
 fn different() -> SceneBench {
-    let spoil = |variant: usize, run: &mut Run| {
+    let spoil = |variant: usize, run: &mut TimedRender| {
         if variant == 1 {
             let [red, _, blue] = run.rendered.film.pixel(5, 2).unwrap();
             run.rendered.film.paste([5, 2], 1, &[[red, 0.5, blue]]);
@@ -172,7 +170,7 @@ fn images_that_differ_have_no_times() {
 
 #[test]
 fn work_that_differs_ends_a_comparison_unless_all_passes_run() {
-    let spoil = |variant: usize, run: &mut Run| {
+    let spoil = |variant: usize, run: &mut TimedRender| {
         run.rendered.counters.tests.nodes = variant as u64;
         run.rendered.counters.samples.footprints = variant as u64;
     };
@@ -183,7 +181,7 @@ fn work_that_differs_ends_a_comparison_unless_all_passes_run() {
         RunDifference { label, over, is_image: false, first, expected, found: found_there };
     assert_eq!(found, difference);
     assert_eq!(compared(Varied::Plan, 2, |_, _| 0.1, spoil).difference, None);
-    let spoil = |variant: usize, run: &mut Run| {
+    let spoil = |variant: usize, run: &mut TimedRender| {
         run.rendered.film.paste([4, 5], 1, &[[variant as f32; 3]]);
     };
     assert!(compared(Varied::Plan, 2, |_, _| 0.1, spoil).difference.is_some());
@@ -283,7 +281,7 @@ fn charts(section: &Section, bars: bool) -> Vec<&Chart> {
 fn the_page_has_the_figures_of_the_report() {
     let mut measured = steady();
     let batches = |variant: usize, _| [1.0, 2.0, 1.0, 0.5, 0.5, 0.5][variant];
-    measured.add(compared(Varied::Batches, 6, batches, |_, _| {}));
+    measured.comparisons.push(compared(Varied::Batches, 6, batches, |_, _| {}));
     let report = report_of(vec![measured]);
     let [_, wavefront] = report.scenes[0].tracers().unwrap();
     let page = page(&report);

@@ -27,13 +27,14 @@ fn entries() -> Vec<EffectScene> {
 /// The list, with runs that `spoil` changes.
 fn measured(
     entries: &[EffectScene],
-    spoil: impl Fn(&PreparedScene, TracerKind, &mut Run),
+    spoil: impl Fn(&PreparedScene, TracerKind, &mut TimedRender),
 ) -> PriceList {
     let (simd, kernel, precision) = (Level::best(), KernelChoice::default(), Precision::default());
     let setting = EffectSetting { simd, kernel, precision, batch: 64 };
     let schedule = RoundLimits { warmup: 1, most: 2, seconds: 0.0 };
     let trace = |scene: &PreparedScene, tracer| {
-        let mut run = Run::of(scene, &RenderOptions { tracer, ..RenderOptions::default() })?;
+        let mut run =
+            TimedRender::of(scene, &RenderOptions { tracer, ..RenderOptions::default() })?;
         spoil(scene, tracer, &mut run);
         Ok(run)
     };

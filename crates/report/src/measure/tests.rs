@@ -22,7 +22,7 @@ fn timing(seconds: f64, processors: f64) -> Timing {
 fn run(
     schedule: RoundLimits,
     timing: impl Fn(Turn) -> Timing,
-) -> (String, TimedRounds<Turn>, Vec<(u64, u64)>) {
+) -> (String, (TimedRuns<Turn>, Rounds), Vec<(u64, u64)>) {
     let (mut log, mut reported) = (String::new(), Vec::new());
     let one = |variant: usize| {
         let turn = Turn { variant, round: log.len() / 2 };
@@ -34,16 +34,16 @@ fn run(
     (log, measured, reported)
 }
 
-fn rounds_kept(measured: &TimedRounds<Turn>) -> Vec<usize> {
-    measured.variants[0].iter().map(|(_, turn)| turn.round).collect()
+fn rounds_kept(measured: &(TimedRuns<Turn>, Rounds)) -> Vec<usize> {
+    measured.0[0].iter().map(|(_, turn)| turn.round).collect()
 }
 
 #[test]
 fn variants_take_turns_to_begin() {
     let (log, measured, _) = run(schedule(1, 4, 0.0), |_| timing(1.0, 2.0));
     assert_eq!(log, "ABBAABBAAB");
-    assert_eq!(measured.rounds, Rounds { rounds: 4, left_out: 0, busy: 0 });
-    for (variant, runs) in measured.variants.iter().enumerate() {
+    assert_eq!(measured.1, Rounds { rounds: 4, left_out: 0, busy: 0 });
+    for (variant, runs) in measured.0.iter().enumerate() {
         assert!(runs.iter().all(|(_, turn)| turn.variant == variant));
     }
     assert_eq!(rounds_kept(&measured), [1, 2, 3, 4]);
@@ -51,7 +51,7 @@ fn variants_take_turns_to_begin() {
 
 #[test]
 fn short_runs_are_repeated_until_there_are_seconds_enough() {
-    let rounds = |schedule, seconds| run(schedule, |_| timing(seconds, 1.0)).1.rounds.rounds;
+    let rounds = |schedule, seconds| run(schedule, |_| timing(seconds, 1.0)).1.1.rounds;
     assert_eq!(rounds(schedule(1, 50, 1.0), 10.0), ENOUGH);
     assert_eq!(rounds(schedule(1, 50, 1.0), 0.0625), 16);
     assert_eq!(rounds(schedule(3, 50, 1.0), 0.001), 50);
@@ -76,13 +76,13 @@ fn busy_rounds_are_left_out_and_measured_again() {
     let (_, measured, _) =
         run(schedule(1, 6, 0.0), |turn| timing(1.0, if is_busy(turn) { 1.7 } else { 1.98 }));
     assert_eq!(rounds_kept(&measured), [1, 2, 4, 6, 7, 8]);
-    assert_eq!((measured.rounds.left_out, measured.rounds.busy), (2, 0));
+    assert_eq!((measured.1.left_out, measured.1.busy), (2, 0));
     // However long they take: a slower processor is none that another program uses.
     let slow = |turn: Turn| timing(if is_busy(turn) { 2.0 } else { 1.0 }, 1.98);
-    assert_eq!(run(schedule(1, 6, 0.0), slow).1.rounds.left_out, 0);
+    assert_eq!(run(schedule(1, 6, 0.0), slow).1.1.left_out, 0);
     // Nor are rounds judged that are over before all threads are awake.
     let short = |turn: Turn| timing(1e-3, if is_busy(turn) { 0.5 } else { 1.98 });
-    assert_eq!(run(schedule(1, 6, 0.0), short).1.rounds.left_out, 0);
+    assert_eq!(run(schedule(1, 6, 0.0), short).1.1.left_out, 0);
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn on_a_machine_that_stays_busy_the_best_rounds_are_kept() {
         [4, 5, 6, 7, 8, 9],
         "of 12: there are never more than two for one"
     );
-    assert_eq!((measured.rounds.left_out, measured.rounds.busy), (6, 5));
+    assert_eq!((measured.1.left_out, measured.1.busy), (6, 5));
 }
 
 #[test]

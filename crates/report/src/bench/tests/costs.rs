@@ -68,7 +68,7 @@ fn the_first_sentence_names_the_pass_that_takes_most() {
         ("maps", "maps take 80\u{a0}% of its time."),
         ("shade", "shade takes 80\u{a0}% of its time."),
     ] {
-        let spoil = |_: usize, run: &mut Run| {
+        let spoil = |_: usize, run: &mut TimedRender| {
             run.rendered.pass_seconds = vec![("generate", 0.1), (pass, 0.4)];
         };
         let found = report("a", compared(Varied::Ladder, 6, |_, _| 0.1, spoil));
