@@ -27,7 +27,11 @@ pub fn write(report: &AccuracyReport, swept: &mut [Subject], results: &Path) -> 
     first.extend(answers(report));
     let mut sections = Vec::new();
     for (scene, subject) in report.scenes.iter().zip(swept) {
-        first.extend(bought(scene, subject)?);
+        // What each time buys: the chart of the answer's samplers, and crops.
+        if let Some(family) = scene.family(scene.answer.family) {
+            first.push(Block::Chart(figures::against_time(family, scene)));
+            first.extend(crops::rows(subject, family, &scene.answer)?);
+        }
         sections.push(section(scene, results)?);
     }
     sections.push(about(report));
@@ -49,14 +53,6 @@ pub fn summary(report: &AccuracyReport) -> Vec<Block> {
         blocks.extend(scene.families.iter().filter_map(figures::slopes).map(Block::Table));
     }
     blocks
-}
-
-/// What each time buys: the chart of the answer's samplers, and crops.
-fn bought(scene: &SceneAccuracy, subject: &mut Subject) -> Result<Vec<Block>> {
-    let Some(family) = scene.family(scene.answer.family) else { return Ok(Vec::new()) };
-    let mut blocks = vec![Block::Chart(figures::against_time(family, scene))];
-    blocks.extend(crops::rows(subject, family, &scene.answer)?);
-    Ok(blocks)
 }
 
 /// The circumstances of the measurement: machine, program and command.

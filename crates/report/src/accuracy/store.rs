@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::setting::Target;
+use super::setting::GroundTruth;
 use crate::bench::{Circumstances, Preparation};
 use crate::measure::{SHORT, Timing, quiet};
 use crate::selftest::errors::HitErrors;
@@ -61,7 +61,7 @@ pub struct PreparedRecord {
 #[allow(missing_docs, reason = "as in the table of `report`")]
 pub struct ReferenceRecord {
     pub scene: String,
-    pub target: Target,
+    pub target: GroundTruth,
     pub file: String,
     pub samples: u64,
     pub replicates: u32,
@@ -75,7 +75,7 @@ pub struct PointRecord {
     /// The scene's name.
     pub scene: String,
     /// The target that it is compared with.
-    pub target: Target,
+    pub target: GroundTruth,
     /// The setting.
     pub key: String,
     /// Its seed.
@@ -238,7 +238,7 @@ impl Store {
         Ok(store)
     }
 
-    /// Appends a record and flushes it to the disk.
+    /// Appends a record.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -246,7 +246,6 @@ impl Store {
         let failed = |e| Error::io("cannot write a record", self.folder.join(FILE), e);
         let line = serde_json::to_string(&record).map_err(|e| failed(e.into()))?;
         self.file.write_all(format!("{line}\n").as_bytes()).map_err(failed)?;
-        self.file.flush().map_err(failed)?;
         self.records.push(record);
         Ok(())
     }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use rand::seq::SliceRandom;
 
-use super::setting::{CountedSetting, Family, Setting, Target};
+use super::setting::{CountedSetting, Family, GroundTruth, Setting};
 use super::store::{
     ImageErrors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, busy_rounds,
     records_of,
@@ -20,7 +20,6 @@ use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
 use crate::summary::generator;
 use wavecrest_base::error::Result;
-use wavecrest_core::film::Film;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_image::compare::{Comparison, compare};
 use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
@@ -39,7 +38,7 @@ pub fn run(
     let SweepHeader { longest, most, least, .. } = store.header;
     let open = |file: &PathBuf| Subject::open(file, longest, most);
     let mut subjects = files.iter().map(open).collect::<Result<Vec<Subject>>>()?;
-    let references = Target::ALL.len() as u64 * LEAST_WORK * u64::from(least);
+    let references = GroundTruth::ALL.len() as u64 * LEAST_WORK * u64::from(least);
     let work = |subject: &Subject| {
         let settings = settings(&subject.families);
         let points: u64 = settings.iter().map(|(_, setting)| setting.work()).sum();
@@ -48,7 +47,7 @@ pub fn run(
     subjects.iter().try_for_each(|subject| store.admit(subject.record.clone()))?;
     progress(SweepProgress::More(subjects.iter().map(work).sum()));
     for subject in &mut subjects {
-        for target in Target::ALL {
+        for target in GroundTruth::ALL {
             let stage = format!("{}: reference ({target})", subject.record.scene);
             progress(SweepProgress::Stage(&stage));
             let film = subject.reference(target, store, progress)?;
@@ -61,7 +60,7 @@ pub fn run(
 }
 
 /// Each setting of the families once, with its target and its key.
-fn settings(families: &[Family<CountedSetting>]) -> Vec<((Target, String), Setting)> {
+fn settings(families: &[Family<CountedSetting>]) -> Vec<((GroundTruth, String), Setting)> {
     let all = families.iter().flat_map(|f| f.points().map(|(.., s)| ((f.target, s.key()), *s)));
     all.collect::<BTreeMap<_, _>>().into_iter().collect()
 }
@@ -95,6 +94,9 @@ fn points(
                 // No timed render should wait for its tree.
                 subject.prepare(setting)?;
                 let (rendered, timing) = subject.timed(setting, seed)?;
+                let (film, reference) = (&rendered.film, &subject.references[target]);
+                let Comparison { mse, relative_mse, bias, .. } = compare(film, reference)?;
+                let flip = flip(film, reference, DEFAULT_PIXELS_PER_DEGREE)?.mean;
                 store.add(Record::Point(PointRecord {
                     scene: scene.clone(),
                     target: *target,
@@ -103,7 +105,7 @@ fn points(
                     seconds: rendered.seconds,
                     timing,
                     rays: rendered.counters.rays.all(),
-                    error: errors(&rendered.film, &subject.references[target])?,
+                    error: ImageErrors { mse, relative_mse, bias, flip },
                 }))?;
             }
             progress(SweepProgress::Step(subject.pixels() * setting.work()));
@@ -128,16 +130,6 @@ fn note_preparation(subject: &Subject, store: &mut Store) -> Result<()> {
         store.add(Record::Prepared(PreparedRecord { scene: scene.clone(), time }))?;
     }
     Ok(())
-}
-
-/// The errors of `film` against `reference`.
-///
-/// # Errors
-/// If their sizes differ.
-fn errors(film: &Film, reference: &Film) -> Result<ImageErrors> {
-    let Comparison { mse, relative_mse, bias, .. } = compare(film, reference)?;
-    let flip = flip(film, reference, DEFAULT_PIXELS_PER_DEGREE)?.mean;
-    Ok(ImageErrors { mse, relative_mse, bias, flip })
 }
 
 /// Tests every precision at the edges and on the faces of the scene's triangles.

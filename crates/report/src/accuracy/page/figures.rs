@@ -1,7 +1,7 @@
 //! Results as charts and tables.
 
 use crate::accuracy::report::{SLOPE_FROM, SceneAccuracy, SettingResult};
-use crate::accuracy::setting::{Family, SettingSeries, Target, converges};
+use crate::accuracy::setting::{Family, GroundTruth, SettingSeries, converges};
 use crate::accuracy::store::ReferenceRecord;
 use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::{figure, plural};
@@ -15,7 +15,13 @@ pub(super) fn charts(
 ) -> Vec<(String, Chart)> {
     let name = family.name;
     match name {
-        "bounces" => vec![(name.to_owned(), bounces(family))],
+        "bounces" => {
+            let title = "Error against the number of bounces".to_owned();
+            let caption = "With the scene's own samples. The last point has all bounces: only sampling contributes to \
+                           its error.";
+            let axis = ChartAxis::new(&family.counted, "", Scale::Linear);
+            vec![(name.to_owned(), chart(title, family, axis, |p| p.x, caption.to_owned()))]
+        }
         _ => vec![
             (format!("{name}-samples"), against_samples(family, scene)),
             (format!("{name}-time"), against_time(family, scene)),
@@ -68,14 +74,6 @@ pub(super) fn against_time(family: &Family<SettingResult>, scene: &SceneAccuracy
     chart(title, family, log("time", "s"), |p| p.seconds.median, caption.to_owned())
 }
 
-fn bounces(family: &Family<SettingResult>) -> Chart {
-    let title = "Error against the number of bounces".to_owned();
-    let caption = "With the scene's own samples. The last point has all bounces: only sampling contributes to its \
-                   error.";
-    let axis = ChartAxis::new(&family.counted, "", Scale::Linear);
-    chart(title, family, axis, |p| p.x, caption.to_owned())
-}
-
 /// The error of a family along an axis of a value of each setting.
 fn chart(
     title: String,
@@ -105,8 +103,8 @@ fn mark(p: &SettingResult, x: f64) -> plot::Point {
 pub(super) fn references(scene: &SceneAccuracy) -> String {
     let of = |r: &ReferenceRecord| {
         let target = match r.target {
-            Target::Scene => "the scene",
-            Target::Pixel => "whole pixels",
+            GroundTruth::Scene => "the scene",
+            GroundTruth::Pixel => "whole pixels",
         };
         if r.standard_error == 0.0 {
             return format!("The reference for {target} is exact, as nothing is sampled.");
