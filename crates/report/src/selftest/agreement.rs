@@ -100,23 +100,21 @@ pub(super) fn compare(accel: &mut Accel, answered: &Answered<'_>) -> Outcome {
         accel.level = token;
         for kernel in KernelChoice::FOR_RENDERS {
             accel.kernel = kernel;
-            let differences: Outcome =
-                answered.par_iter().map(|asked| compared(accel, asked)).sum();
+            let differences = answered.par_iter().map(|(rays, expected)| {
+                let mut outcome = Outcome::default();
+                for ((ray, found), right) in rays.iter().zip(answers(accel, rays)).zip(expected) {
+                    outcome
+                        .check(found == *right, || format!("{ray}: {found:?} and not {right:?}"));
+                }
+                outcome
+            });
             let context = || format!("{} {}", level.name(), kernel.name());
-            outcome.add(differences.with_context(context));
+            outcome.add(differences.sum::<Outcome>().with_context(context));
             if accel.tree().is_none() {
                 // There is nothing left to vary: every kernel asks every primitive.
                 return outcome;
             }
         }
-    }
-    outcome
-}
-
-fn compared(accel: &Accel, (rays, expected): &(&[Ray], Vec<RayAnswer>)) -> Outcome {
-    let mut outcome = Outcome::default();
-    for ((ray, found), right) in rays.iter().zip(answers(accel, rays)).zip(expected) {
-        outcome.check(found == *right, || format!("{ray}: {found:?} and not {right:?}"));
     }
     outcome
 }

@@ -21,7 +21,7 @@ const SIZES: usize = 26;
 /// A histogram of errors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Distribution {
-    /// InputRng of errors up to half an ulp, up to one, up to two, and so on; the last are larger
+    /// Numbers of errors up to half an ulp, up to one, up to two, and so on; the last are larger
     /// than all these.
     pub counts: [u64; SIZES],
     /// The largest error, in ulp.

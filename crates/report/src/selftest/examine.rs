@@ -89,7 +89,8 @@ pub fn shape(accel: &Accel) -> GeometryFacts {
 pub fn trial(accel: &Accel, effort: &Effort) -> SceneTrial {
     let geometry = accel.geometry();
     let extent = BoundingBall::of(geometry);
-    let meshes = MeshEdges::of(geometry);
+    let prototypes = geometry.prototypes.iter().map(Topology::new).collect();
+    let meshes = MeshEdges { geometry, own: Topology::new(geometry), prototypes };
     let count = rays(geometry, effort, [RAYS / 25, RAYS]);
     let leaks = ask(
         accel,
@@ -137,30 +138,22 @@ struct MeshEdges<'a> {
     prototypes: Vec<Topology>,
 }
 
-impl<'a> MeshEdges<'a> {
-    fn of(geometry: &'a Geometry) -> Self {
-        let prototypes = geometry.prototypes.iter().map(Topology::new).collect();
-        Self { geometry, own: Topology::new(geometry), prototypes }
-    }
-
-    /// Where a primitive is: its mesh, the edges there, the number of the mesh's first primitive, and
-    /// the mesh's place in the world.
-    fn at(&self, primitive: Primitive) -> (&Geometry, &Topology, u32, DAffine3) {
-        let Primitive::Instanced(instanced) = primitive else {
-            return (self.geometry, &self.own, 0, DAffine3::IDENTITY);
-        };
-        let (instance, prototype) = self.geometry.instance(instanced);
-        let topology = &self.prototypes[instance.prototype()];
-        (prototype, topology, instance.first(), *instance.to_world())
-    }
-
+impl MeshEdges<'_> {
     /// A ray from around the geometry at an edge or into a sphere, with the numbers of the
     /// primitives there, which have no holes.
     fn aimed(&self, extent: &BoundingBall, rng: &mut InputRng) -> Option<(Ray, [u32; 2])> {
         let from = extent.around(rng);
         let number = rng.below(self.geometry.len()) as u32;
         let primitive = self.geometry.primitive(number);
-        let (mesh, topology, first, place) = self.at(primitive);
+        // Its mesh, the edges there, the number of the mesh's first primitive, and the mesh's place in the world.
+        let (mesh, topology, first, place) = match primitive {
+            Primitive::Instanced(instanced) => {
+                let (instance, prototype) = self.geometry.instance(instanced);
+                let topology = &self.prototypes[instance.prototype()];
+                (prototype, topology, instance.first(), *instance.to_world())
+            }
+            _ => (self.geometry, &self.own, 0, DAffine3::IDENTITY),
+        };
         let has_holes =
             |own: &u32| mesh.cutouts.iter().any(|cutout| cutout.primitives.contains(own));
         if let Primitive::Quadric(i) = primitive {

@@ -40,7 +40,7 @@ fn axes(rng: &mut InputRng) -> ([Vec3; 3], f32) {
 }
 
 /// Where a random ray meets a random triangle of `accel`: the point, its error and the normal.
-pub(super) fn struck(accel: &Accel, rng: &mut InputRng) -> Option<[Vec3; 3]> {
+fn struck(accel: &Accel, rng: &mut InputRng) -> Option<[Vec3; 3]> {
     let number = rng.below(accel.geometry().triangles.len());
     let target = rng.within(accel.geometry().triangle(number));
     let eye = (target + rng.direction() * target.length().max(1e-3)).as_vec3();

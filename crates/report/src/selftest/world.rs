@@ -24,15 +24,8 @@ pub(super) const ALL_HIT: Option<bool> = Some(true);
 pub(super) const ALL_MISS: Option<bool> = Some(false);
 pub(super) const MIXED: Option<bool> = None;
 
-/// The worlds of a case.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Worlds {
-    /// Their number.
-    pub(super) worlds: usize,
-    /// The number of rays in all of them together, in full.
-    pub(super) rays: usize,
-    pub(super) make: fn(&mut InputRng) -> World,
-}
+/// The number of worlds of a case, the number of rays in all of them together, in full, and what makes one.
+pub(super) type Worlds = (usize, usize, fn(&mut InputRng) -> World);
 
 /// What fast precision loses.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -66,7 +59,7 @@ impl Case {
         effort: &Effort,
         of: impl Fn(World, Vec<Ray>, Preset) -> T + Sync,
     ) -> Vec<T> {
-        let Some(Worlds { worlds, rays, make }) = self.worlds else { return Vec::new() };
+        let Some((worlds, rays, make)) = self.worlds else { return Vec::new() };
         let one = |n: usize| {
             let world = make(&mut InputRng::new(effort, [self.number, 0], n));
             // Each tree in turn, starting with the next in every round, so that worlds of each kind have all.
