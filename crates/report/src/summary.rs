@@ -76,7 +76,7 @@ impl MedianInterval {
     /// The narrowest interval of the module documentation with at least [`CONFIDENCE`], or the
     /// whole range; `None` without measurements.
     pub fn of(each: &[f64]) -> Option<Self> {
-        let sorted = sorted(each);
+        let sorted = sorted(each.to_vec());
         let n = sorted.len();
         let outermost = (1, confidence(n, 1));
         // From the outermost inward, as long as the confidence suffices.
@@ -100,7 +100,7 @@ pub(crate) fn mean_and_error(each: &[f64]) -> (f64, f64) {
 
 /// The median of `each`; 0 if it is empty.
 pub fn median(each: &[f64]) -> f64 {
-    middle(&sorted(each))
+    middle(&sorted(each.to_vec()))
 }
 
 /// The probability that the median is between the `k`th smallest and the `k`th largest of `n`: 1 -
@@ -116,10 +116,9 @@ fn confidence(n: usize, k: usize) -> f64 {
     (1.0 - 2.0 * below).max(0.0)
 }
 
-fn sorted(each: &[f64]) -> Vec<f64> {
-    let mut sorted = each.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted
+fn sorted(mut each: Vec<f64>) -> Vec<f64> {
+    each.sort_by(f64::total_cmp);
+    each
 }
 
 /// The middle value, or the mean of the two in the middle.
@@ -160,30 +159,14 @@ pub(crate) fn generator(seed: u64) -> Generator {
     Stream { seed, pixel: 0, sample: 0, bounce: 0 }.generator(0)
 }
 
-/// The number of standard deviations with the same probability under the normal distribution as `t`
-/// under Student's with `freedom` degrees of freedom (Wallace, *Bounds on Normal Approximations to
-/// Student's and the Chi-square Distributions*, 1959).
-fn normal_of(t: f64, freedom: f64) -> f64 {
-    let ratio = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
-    ratio * (freedom * libm::log1p(t * t / freedom)).sqrt()
-}
+/// Half the width of an interval of [`CONFIDENCE`] under the normal distribution, in standard deviations.
+const NORMAL: f64 = 1.959_963_984_540_054;
 
-/// The probability that a normal value is farther from its mean than this many standard deviations,
-/// on either side.
-fn chance_beyond(deviations: f64) -> f64 {
-    libm::erfc(deviations / std::f64::consts::SQRT_2)
-}
-
-/// Half the width of an interval in standard errors, if the true value is outside with this
-/// `chance`.
-fn student(chance: f64, freedom: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1e3);
-    for _ in 0..60 {
-        let middle = (low + high) / 2.0;
-        let is_inside = chance_beyond(normal_of(middle, freedom)) > chance;
-        *(if is_inside { &mut low } else { &mut high }) = middle;
-    }
-    high
+/// The same under Student's distribution with `freedom` degrees of freedom: the number that has the same probability
+/// there (Wallace, *Bounds on Normal Approximations to Student's and the Chi-square Distributions*, 1959).
+fn student(freedom: f64) -> f64 {
+    let normal = NORMAL * (8.0 * freedom + 3.0) / (8.0 * freedom + 1.0);
+    (freedom * libm::expm1(normal * normal / freedom)).sqrt()
 }
 
 /// The percentile interval of a statistic of seeds, given by their indices. `None` if it is undefined
@@ -196,15 +179,15 @@ pub(crate) fn bootstrap(
     let mut random = generator(1);
     let draw =
         |_| statistic(&(0..seeds).map(|_| random.random_range(0..seeds)).collect::<Vec<_>>());
-    let mut resampled: Vec<f64> = (0..RESAMPLES).filter_map(draw).collect();
-    resampled.sort_by(f64::total_cmp);
+    let resampled = sorted((0..RESAMPLES).filter_map(draw).collect());
     let at = |share: f64| {
         let index = (share * (resampled.len() as f64 - 1.0)).round() as usize;
         resampled.get(index).copied().unwrap_or(value)
     };
     let n = seeds.max(2) as f64;
-    let deviations = (n / (n - 1.0)).sqrt() * student(1.0 - CONFIDENCE, n - 1.0);
-    let outside = chance_beyond(deviations) / 2.0;
+    let deviations = (n / (n - 1.0)).sqrt() * student(n - 1.0);
+    // The part of a normal distribution that is farther from its mean on one side.
+    let outside = libm::erfc(deviations / std::f64::consts::SQRT_2) / 2.0;
     Some(Uncertain { value, low: at(outside), high: at(1.0 - outside) })
 }
 
@@ -368,7 +351,7 @@ mod tests {
     fn intervals_of_few_are_as_wide_as_students() {
         // 95 per cent lie within 2.131 standard errors with 15 degrees of freedom, within 3.182 with 3.
         for (freedom, expected) in [(15.0, 2.131), (3.0, 3.182)] {
-            let found = student(0.05, freedom);
+            let found = student(freedom);
             assert!((found - expected).abs() < 0.02 * expected, "{found}");
         }
     }

@@ -183,14 +183,15 @@ impl Chart {
         for (point, at) in points.iter().zip(places) {
             let Some(at) = at else { continue };
             let near = Some(at).filter(|_| *draw != Draw::Bars);
-            drawing.begin(&self.words(index, point), &figures(point), near);
+            drawing.begin(&self.words(index, point), point, near);
             let ends = [point.low, point.high].map(|y| field.y.pixel_of_end(y));
             if *draw == Draw::Bars {
                 let ([_, right], y) = (ends, at[1]);
                 drawing.rectangle(ends, [y - HALF, y + HALF], index);
                 drawing.line(&[[right, y - HALF], [right, y + HALF]], Paint::PAPER, BETWEEN);
             } else {
-                whisker(drawing, ends.map(|y| field.with_y(at, y)), field.turned, index);
+                let end = |y: f64| if field.turned { [y, at[1]] } else { [at[0], y] };
+                whisker(drawing, ends.map(end), field.turned, index);
                 marker(drawing, at, index);
             }
             drawing.end();
@@ -224,12 +225,6 @@ impl Chart {
         let lines = [name, &point.label, &x, &y].map(String::as_str);
         lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")
     }
-}
-
-/// The figures of a point, as in CSV.
-fn figures(p: &Point) -> [(&'static str, String); 4] {
-    let figures = [("x", p.x), ("y", p.y), ("low", p.low), ("high", p.high)];
-    figures.map(|(name, value)| (name, exact(value)))
 }
 
 /// A line between the ends of an interval, with a cap at each.

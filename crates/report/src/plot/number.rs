@@ -18,20 +18,23 @@ pub fn figure(value: f64) -> String {
     if !value.is_finite() {
         return "not finite".to_owned();
     }
+    let rounded = format!("{value:.*e}", DIGITS - 1);
+    let (mantissa, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or_default();
     let is_count = value.fract() == 0.0 && value.abs() < 1e15;
-    if is_count {
-        return minus(&grouped(&format!("{value:.0}")));
-    }
-    let (mantissa, exponent) = scientific(value, DIGITS);
-    if value.abs() >= LARGEST_PLAIN || exponent < SMALLEST_PLAIN {
+    let text = if is_count {
+        grouped(&format!("{value:.0}"))
+    } else if value.abs() >= LARGEST_PLAIN || exponent < SMALLEST_PLAIN {
         let power = power_of_ten(exponent);
-        return minus(&match trimmed(&mantissa) {
+        match trimmed(mantissa) {
             "1" => power,
             mantissa => format!("{mantissa}×{power}"),
-        });
-    }
-    let decimals = (DIGITS as i32 - 1 - exponent).max(0) as usize;
-    minus(&grouped(trimmed(&format!("{value:.decimals$}"))))
+        }
+    } else {
+        let decimals = (DIGITS as i32 - 1 - exponent).max(0) as usize;
+        grouped(trimmed(&format!("{value:.decimals$}")))
+    };
+    text.replace('-', "−")
 }
 
 /// A number with its unit, if any.
@@ -77,13 +80,6 @@ fn power_of_ten(exponent: i32) -> String {
     format!("10{digits}")
 }
 
-/// `value` rounded to `digits`, as a mantissa from 1 to 10 and the exponent of ten.
-fn scientific(value: f64, digits: usize) -> (String, i32) {
-    let text = format!("{value:.*e}", digits - 1);
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    (mantissa.to_owned(), exponent.parse().unwrap_or_default())
-}
-
 /// Without trailing zeros of a fraction.
 fn trimmed(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
@@ -97,11 +93,6 @@ fn grouped(text: &str) -> String {
         return text.to_owned();
     }
     format!("{sign}{}{fraction}", words::grouped(digits, '\u{202f}'))
-}
-
-/// With a minus sign instead of each hyphen.
-fn minus(text: &str) -> String {
-    text.replace('-', "−")
 }
 
 #[cfg(test)]

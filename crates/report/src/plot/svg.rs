@@ -4,7 +4,8 @@
 //! class, for which a style sheet may set another: the one in `chart.css` follows light and dark
 //! themes, and has those on a dark background under the same names.
 
-use super::font;
+use super::number::exact;
+use super::{Point, font};
 use crate::markup::escape;
 
 /// A point of a drawing.
@@ -38,12 +39,9 @@ const STYLE: &str = include_str!("chart.css");
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Paint(pub(super) &'static str, pub(super) [u8; 3]);
 
-/// Number of distinct colours of series.
-const COLOURS: usize = 7;
-
 /// Okabe and Ito's colours, in the order of their contrast to white. Their yellow has almost none
 /// and is left out.
-const SERIES: [Paint; COLOURS] = [
+const SERIES: [Paint; 7] = [
     Paint("s0", [0, 114, 178]),
     Paint("s1", [213, 94, 0]),
     Paint("s2", [0, 158, 115]),
@@ -69,7 +67,7 @@ impl Paint {
 
     /// The colour of a series, counted from 0: they begin again after the last.
     pub(super) fn series(index: usize) -> Self {
-        SERIES[index % COLOURS]
+        SERIES[index % SERIES.len()]
     }
 }
 
@@ -154,12 +152,12 @@ impl Drawing {
         self.height += height;
     }
 
-    /// Starts a mark: its meaning in words, a line each, and its figures, names and values. A
+    /// Starts a mark: its meaning in words, a line each, and the values of its point, as in CSV. A
     /// pointer near the centre of a small one selects it.
-    pub(super) fn begin(&mut self, title: &str, figures: &[(&str, String)], near: Option<At>) {
+    pub(super) fn begin(&mut self, title: &str, p: &Point, near: Option<At>) {
         self.shapes += "<g class=\"mark\" role=\"img\"";
-        for (name, value) in figures {
-            self.shapes += &format!(" data-{name}=\"{}\"", escape(value));
+        for (name, value) in [("x", p.x), ("y", p.y), ("low", p.low), ("high", p.high)] {
+            self.shapes += &format!(" data-{name}=\"{}\"", exact(value));
         }
         self.shapes += &format!("><title>{}</title>\n", escape(title));
         if let Some([x, y]) = near.map(|at| at.map(number)) {
