@@ -23,7 +23,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::setting::{Axis, Facts, GroundTruth};
+use super::setting::{Axis, Facts, Truth};
 use crate::expected::{tiles, timed};
 use crate::plot::number::figure;
 use crate::summary::mean_and_error;
@@ -268,7 +268,7 @@ pub fn measured(
     seed: u64,
     watch: &dyn Watch,
 ) -> Result<Option<MeasuredError>> {
-    if !rendered.finished || !Facts::of(scene).is_sampled(GroundTruth::Scene) {
+    if !rendered.finished || !Facts::of(scene).is_sampled(Truth::Scene) {
         return Ok(None);
     }
     let found = variances(scene, Some(&rendered.film), seed, f64::INFINITY, watch)?;

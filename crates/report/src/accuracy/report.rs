@@ -30,9 +30,7 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::setting::{
-    Axis, CountedSetting, Family, GroundTruth, Setting, SettingSeries, converges,
-};
+use super::setting::{Axis, CountedSetting, Family, Setting, SettingSeries, Truth, converges};
 use super::store::{
     PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, TrialRecord, busy_rounds,
     largest_share, records_of,
@@ -120,7 +118,7 @@ impl SceneAccuracy {
     }
 
     /// The error up to which those against the reference of `target` are noise.
-    pub fn floor(&self, target: GroundTruth) -> f64 {
+    pub fn floor(&self, target: Truth) -> f64 {
         let of = self.references.iter().find(|reference| reference.target == target);
         of.map_or(0.0, |reference| FLOOR * reference.standard_error)
     }

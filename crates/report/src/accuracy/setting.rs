@@ -57,7 +57,7 @@ wavecrest_base::choices! {
     /// The image to which a setting converges. Names are those in files.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
     #[serde(rename_all = "kebab-case")]
-    pub enum GroundTruth {
+    pub enum Truth {
         /// The scene of the file, with any number of the samples that it has.
         #[default]
         Scene = "scene",
@@ -76,7 +76,7 @@ pub struct Family<P> {
     /// The label of the count.
     pub counted: String,
     /// The target of the settings.
-    pub target: GroundTruth,
+    pub target: Truth,
     /// The settings by their other differences.
     pub series: Vec<SettingSeries<P>>,
 }
@@ -137,8 +137,8 @@ impl Facts {
     }
 
     /// Whether `target` has any random samples.
-    pub fn is_sampled(&self, target: GroundTruth) -> bool {
-        *self.lights != *"" || self.has_lens || self.is_antialiased || target == GroundTruth::Pixel
+    pub fn is_sampled(&self, target: Truth) -> bool {
+        *self.lights != *"" || self.has_lens || self.is_antialiased || target == Truth::Pixel
     }
 }
 
@@ -217,17 +217,12 @@ pub fn families(facts: &Facts, most: u32) -> Vec<Family<CountedSetting>> {
     let of_file = || format!("rays per pixel{}", each("the file's points", lights));
     let of_textures = facts.has_textures.then(|| (of_file(), filters()));
     let all = [
-        ("lights", "Points on lights", GroundTruth::Scene, of_lights),
-        ("lens", "Points on the lens", GroundTruth::Scene, of_lens),
-        ("pixel", "Rays in a pixel", GroundTruth::Pixel, Some(along(Axis::Pixel(lights)))),
-        ("bounces", "Bounces", GroundTruth::Scene, of_bounces),
-        (
-            "precision",
-            "Precision",
-            GroundTruth::Scene,
-            Some(("precision".to_owned(), precisions())),
-        ),
-        ("filter", "Texture filters", GroundTruth::Pixel, of_textures),
+        ("lights", "Points on lights", Truth::Scene, of_lights),
+        ("lens", "Points on the lens", Truth::Scene, of_lens),
+        ("pixel", "Rays in a pixel", Truth::Pixel, Some(along(Axis::Pixel(lights)))),
+        ("bounces", "Bounces", Truth::Scene, of_bounces),
+        ("precision", "Precision", Truth::Scene, Some(("precision".to_owned(), precisions()))),
+        ("filter", "Texture filters", Truth::Pixel, of_textures),
     ];
     let family = |(name, title, target, varied): (_, _, _, Option<(_, _)>)| {
         let (counted, series) = varied?;
@@ -319,7 +314,7 @@ mod tests {
             // The family that a sweep answers for.
             let found = families(&facts, 4).into_iter().find(|f| f.counted == axis.things(2));
             assert_eq!(
-                found.map(|found| found.target == GroundTruth::Pixel),
+                found.map(|found| found.target == Truth::Pixel),
                 Some(words.contains("rays"))
             );
         }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::setting::GroundTruth;
+use super::setting::Truth;
 use crate::bench::{Circumstances, Preparation};
 use crate::measure::{SHORT, Timing, quiet};
 use crate::selftest::errors::HitErrors;
@@ -61,7 +61,7 @@ pub struct PreparedRecord {
 #[allow(missing_docs, reason = "as in the table of `report`")]
 pub struct ReferenceRecord {
     pub scene: String,
-    pub target: GroundTruth,
+    pub target: Truth,
     pub file: String,
     pub samples: u64,
     pub replicates: u32,
@@ -75,7 +75,7 @@ pub struct PointRecord {
     /// The scene's name.
     pub scene: String,
     /// The target that it is compared with.
-    pub target: GroundTruth,
+    pub target: Truth,
     /// The setting.
     pub key: String,
     /// Its seed.
@@ -119,29 +119,11 @@ pub struct TrialRecord {
     pub errors: Box<HitErrors>,
 }
 
-/// The kinds of records: a line of the file is one of them.
-macro_rules! records {
-    ($($name:ident($kind:ty)),+ $(,)?) => {
-        /// A line of the file.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(tag = "record", rename_all = "kebab-case")]
-        #[allow(missing_docs, reason = "each says what it is")]
-        pub enum Record {
-            $($name($kind),)+
-        }
-
-        impl Record {
-            /// The record, if it is of kind `T`.
-            fn of<T: 'static>(&self) -> Option<&T> {
-                match self {
-                    $(Self::$name(found) => (found as &dyn Any).downcast_ref(),)+
-                }
-            }
-        }
-    };
-}
-
-records! {
+/// A line of the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "record", rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "each says what it is")]
+pub enum Record {
     Header(SweepHeader),
     Circumstances(Circumstances),
     Scene(SceneRecord),
@@ -149,6 +131,22 @@ records! {
     Reference(ReferenceRecord),
     Point(PointRecord),
     Trial(TrialRecord),
+}
+
+impl Record {
+    /// The record, if it is of kind `T`.
+    fn of<T: 'static>(&self) -> Option<&T> {
+        let found: &dyn Any = match self {
+            Self::Header(found) => found,
+            Self::Circumstances(found) => found,
+            Self::Scene(found) => found,
+            Self::Prepared(found) => found,
+            Self::Reference(found) => found,
+            Self::Point(found) => found,
+            Self::Trial(found) => found,
+        };
+        found.downcast_ref()
+    }
 }
 
 /// All records of one kind.
@@ -192,20 +190,6 @@ pub struct Store {
     file: File,
 }
 
-/// The records in `text`, the contents of `path`, and the length of its whole lines in bytes.
-fn records(text: &str, path: &Path) -> Result<(Vec<Record>, usize)> {
-    let whole = text.rfind('\n').map_or(0, |end| end + 1);
-    let lines = text[..whole].lines().enumerate();
-    let record = |(number, line): (usize, &str)| {
-        serde_json::from_str(line).map_err(|e| {
-            Error::new(ErrorKind::Io, format!("line {} is not a record: {e}", number + 1))
-                .in_file(path)
-                .remedy("remove the file to start again")
-        })
-    };
-    Ok((lines.map(record).collect::<Result<_>>()?, whole))
-}
-
 /// The name of the file.
 pub const FILE: &str = "results.jsonl";
 
@@ -222,8 +206,16 @@ impl Store {
         let mut file = options.read(true).append(true).create(true).open(&path).map_err(failed)?;
         let mut text = String::new();
         file.read_to_string(&mut text).map_err(failed)?;
-        let (records, whole) = records(&text, &path)?;
-        file.set_len(whole as u64).map_err(failed)?;
+        text.truncate(text.rfind('\n').map_or(0, |end| end + 1));
+        let record = |(number, line): (usize, &str)| {
+            serde_json::from_str(line).map_err(|e| {
+                Error::new(ErrorKind::Io, format!("line {number} is not a record: {e}"))
+                    .in_file(&path)
+                    .remedy("remove the file to start again")
+            })
+        };
+        let records = (1..).zip(text.lines()).map(record).collect::<Result<_>>()?;
+        file.set_len(text.len() as u64).map_err(failed)?;
         written().insert(path.clone());
         let mut store = Self { folder: folder.to_owned(), header: header.clone(), records, file };
         match store.records.first() {

@@ -13,9 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use super::pilot::variance;
-use super::setting::{
-    Axis, CountedSetting, Facts, Family, GroundTruth, Setting, converges, families,
-};
+use super::setting::{Axis, CountedSetting, Facts, Family, Setting, Truth, converges, families};
 use super::store::{Record, ReferenceRecord, SceneRecord, Store, records_of};
 use super::{OnProgress, SweepProgress};
 use crate::bench::Preparation;
@@ -45,7 +43,7 @@ pub struct Subject {
     /// The variations.
     pub families: Vec<Family<CountedSetting>>,
     /// The references of errors, once they are rendered.
-    pub references: BTreeMap<GroundTruth, Film>,
+    pub references: BTreeMap<Truth, Film>,
     prepared: HashMap<(Precision, Overrides), PreparedSubject>,
 }
 
@@ -199,7 +197,7 @@ impl Subject {
     /// If the scene can no longer be rendered, or the reference can be neither read nor written.
     pub(super) fn reference(
         &mut self,
-        target: GroundTruth,
+        target: Truth,
         store: &mut Store,
         progress: &OnProgress<'_>,
     ) -> Result<Film> {
@@ -293,14 +291,13 @@ fn mean(films: &[Film]) -> Result<Film> {
 
 /// The setting of the reference of `target`, and the number of points of each kind in the scene: at
 /// least `least` for each sampled kind.
-fn setting(facts: &Facts, target: GroundTruth, least: u32) -> (Setting, u32) {
+fn setting(facts: &Facts, target: Truth, least: u32) -> (Setting, u32) {
     if !facts.is_sampled(target) {
         return (Setting::default(), 1);
     }
     let side = (1..).find(|side| side * side >= least).unwrap_or(1);
     let points = Points { sampling: Sampling::Sobol, side };
-    let axis =
-        if target == GroundTruth::Pixel { Axis::Pixel(facts.lights) } else { Axis::of(facts) };
+    let axis = if target == Truth::Pixel { Axis::Pixel(facts.lights) } else { Axis::of(facts) };
     (Setting { samples: axis.samples(points), ..Setting::default() }, points.count())
 }
 

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use rand::seq::SliceRandom;
 
-use super::setting::{CountedSetting, Family, GroundTruth, Setting};
+use super::setting::{CountedSetting, Family, Setting, Truth};
 use super::store::{
     ImageErrors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, busy_rounds,
     records_of,
@@ -38,7 +38,7 @@ pub fn run(
     let SweepHeader { longest, most, least, .. } = store.header;
     let open = |file: &PathBuf| Subject::open(file, longest, most);
     let mut subjects = files.iter().map(open).collect::<Result<Vec<Subject>>>()?;
-    let references = GroundTruth::ALL.len() as u64 * LEAST_WORK * u64::from(least);
+    let references = Truth::ALL.len() as u64 * LEAST_WORK * u64::from(least);
     let work = |subject: &Subject| {
         let settings = settings(&subject.families);
         let points: u64 = settings.iter().map(|(_, setting)| setting.work()).sum();
@@ -47,7 +47,7 @@ pub fn run(
     subjects.iter().try_for_each(|subject| store.admit(subject.record.clone()))?;
     progress(SweepProgress::More(subjects.iter().map(work).sum()));
     for subject in &mut subjects {
-        for target in GroundTruth::ALL {
+        for target in Truth::ALL {
             let stage = format!("{}: reference ({target})", subject.record.scene);
             progress(SweepProgress::Stage(&stage));
             let film = subject.reference(target, store, progress)?;
@@ -60,7 +60,7 @@ pub fn run(
 }
 
 /// Each setting of the families once, with its target and its key.
-fn settings(families: &[Family<CountedSetting>]) -> Vec<((GroundTruth, String), Setting)> {
+fn settings(families: &[Family<CountedSetting>]) -> Vec<((Truth, String), Setting)> {
     let all = families.iter().flat_map(|f| f.points().map(|(.., s)| ((f.target, s.key()), *s)));
     all.collect::<BTreeMap<_, _>>().into_iter().collect()
 }

@@ -145,54 +145,39 @@ impl TimedRender {
     }
 }
 
-/// A scene to render in many ways.
-pub(super) struct Runner<'a> {
-    scene: &'a mut PreparedScene,
+/// Renders `scene`, whose own plan is `planned`, as `variant`; `pools` are those of other numbers of threads than that of
+/// the current one.
+pub(super) fn run(
+    scene: &mut PreparedScene,
+    planned: &Plan,
     seed: u64,
-    planned: Plan,
-    pools: BTreeMap<usize, ThreadPool>,
-}
-
-impl<'a> Runner<'a> {
-    pub(super) fn new(scene: &'a mut PreparedScene, seed: u64) -> Self {
-        let planned = scene.plan.clone();
-        Self { scene, seed, planned, pools: BTreeMap::new() }
+    variant: &Variant,
+    pools: &mut BTreeMap<usize, ThreadPool>,
+) -> Result<TimedRender> {
+    let &Variant { tracer, kernel, simd, batch, threads, planned: is_planned } = variant;
+    scene.accel.kernel = kernel;
+    if let Some(level) = simd.token() {
+        scene.accel.level = level;
     }
-
-    /// The scene with its own plan.
-    pub(super) fn planned(self) -> &'a PreparedScene {
-        self.scene.plan = self.planned;
-        self.scene
+    scene.plan = match is_planned {
+        true => planned.clone(),
+        false => Plan::of(planned.decisions().to_vec(), &unplanned(&PASSES)),
+    };
+    let options = RenderOptions { tracer, batch, seed, crop: None };
+    if threads == rayon::current_num_threads() {
+        return TimedRender::of(scene, &options);
     }
-
-    /// One run of `variant`.
-    pub(super) fn run(&mut self, variant: &Variant) -> Result<TimedRender> {
-        let &Variant { tracer, kernel, simd, batch, threads, planned } = variant;
-        self.scene.accel.kernel = kernel;
-        if let Some(level) = simd.token() {
-            self.scene.accel.level = level;
+    let pool = match pools.entry(threads) {
+        Entry::Occupied(pool) => pool.into_mut(),
+        Entry::Vacant(place) => {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+            place.insert(pool.map_err(|e| {
+                Error::new(ErrorKind::Usage, format!("cannot start threads: {e}"))
+                    .remedy("raise the limits of the process (ulimit -u, -v)")
+            })?)
         }
-        self.scene.plan = match planned {
-            true => self.planned.clone(),
-            false => Plan::of(self.planned.decisions().to_vec(), &unplanned(&PASSES)),
-        };
-        let options = RenderOptions { tracer, batch, seed: self.seed, crop: None };
-        let scene = &*self.scene;
-        if threads == rayon::current_num_threads() {
-            return TimedRender::of(scene, &options);
-        }
-        let pool = match self.pools.entry(threads) {
-            Entry::Occupied(pool) => pool.into_mut(),
-            Entry::Vacant(place) => {
-                let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-                place.insert(pool.map_err(|e| {
-                    Error::new(ErrorKind::Usage, format!("cannot start threads: {e}"))
-                        .remedy("raise the limits of the process (ulimit -u, -v)")
-                })?)
-            }
-        };
-        pool.install(|| TimedRender::of(scene, &options))
-    }
+    };
+    pool.install(|| TimedRender::of(scene, &options))
 }
 
 /// What is kept of a run.

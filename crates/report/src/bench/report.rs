@@ -5,9 +5,11 @@
 
 #![allow(missing_docs, reason = "the tables of crate::bench say it once")]
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use super::compare::{BenchComparison, Runner, VariantBench, compare};
+use super::compare::{BenchComparison, VariantBench, compare, run};
 use super::machine::Circumstances;
 use super::variant::{Variant, Varied};
 use crate::measure::{self, RoundLimits, busy};
@@ -113,18 +115,19 @@ impl SceneBench {
             threads: rayon::current_num_threads(),
             planned: true,
         };
-        let mut runner = Runner::new(scene, setting.seed);
+        let (planned, mut pools) = (scene.plan.clone(), BTreeMap::new());
         let others = plan.axes.iter().copied().filter(|axis| *axis != Varied::Ladder);
         let mut comparisons: Vec<BenchComparison> = Vec::new();
         for axis in std::iter::once(Varied::Ladder).chain(others) {
             let choices = axis.choices(usual, &plan.batches);
-            let trace = |variant: &Variant| runner.run(variant);
+            let trace = |variant: &Variant| run(scene, &planned, setting.seed, variant, &mut pools);
             comparisons.push(compare(axis, &choices, &plan.schedule, trace, progress)?);
             if comparisons.iter().any(|found| found.difference.is_some()) {
                 break;
             }
         }
-        Ok(Self::of(runner.planned(), setting, comparisons))
+        scene.plan = planned;
+        Ok(Self::of(scene, setting, comparisons))
     }
 
     /// The report on these `comparisons`, the ladder first.

@@ -1,7 +1,7 @@
 //! Results as charts and tables.
 
 use crate::accuracy::report::{SLOPE_FROM, SceneAccuracy, SettingResult};
-use crate::accuracy::setting::{Family, GroundTruth, SettingSeries, converges};
+use crate::accuracy::setting::{Family, SettingSeries, Truth, converges};
 use crate::accuracy::store::ReferenceRecord;
 use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::{figure, plural};
@@ -103,8 +103,8 @@ fn mark(p: &SettingResult, x: f64) -> plot::Point {
 pub(super) fn references(scene: &SceneAccuracy) -> String {
     let of = |r: &ReferenceRecord| {
         let target = match r.target {
-            GroundTruth::Scene => "the scene",
-            GroundTruth::Pixel => "whole pixels",
+            Truth::Scene => "the scene",
+            Truth::Pixel => "whole pixels",
         };
         if r.standard_error == 0.0 {
             return format!("The reference for {target} is exact, as nothing is sampled.");

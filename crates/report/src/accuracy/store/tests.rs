@@ -5,7 +5,7 @@ use crate::measure::Timing;
 fn sample(seed: u64) -> PointRecord {
     PointRecord {
         scene: "a".into(),
-        target: GroundTruth::Scene,
+        target: Truth::Scene,
         key: "exact".into(),
         seed,
         seconds: 0.1,
