@@ -18,7 +18,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use glam::Vec3;
+use bytemuck::cast_slice;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::read::open;
@@ -29,7 +29,7 @@ use wavecrest_core::math::ray::Ray;
 const MAGIC: &[u8; 8] = b"RAYDUMP1";
 const VERSION: u32 = 1;
 const HEADER: usize = 64;
-const RAY: usize = 32;
+const RAY: usize = size_of::<Ray>();
 /// Bytes of a ray with its answers.
 const ROW: usize = RAY + 4 + 4 + 1;
 
@@ -89,7 +89,7 @@ impl RayFile {
         Ok(Self {
             any_hit,
             triangles,
-            rays: rays.chunks_exact(RAY).map(ray).collect(),
+            rays: cast_slice(&words(rays).collect::<Vec<u32>>()).to_vec(),
             closest: answers.map(|(t, primitive)| Hit { t, primitive }).collect(),
             occluded: occluded.iter().map(|flag| *flag != 0).collect(),
         })
@@ -110,12 +110,10 @@ impl RayFile {
         sink.write_all(&(self.rays.len() as u64).to_le_bytes())?;
         sink.write_all(&self.triangles.to_le_bytes())?;
         sink.write_all(&[0; 32])?;
-        let rays = self.rays.iter().flat_map(|Ray { origin: o, direction: d, t_min, t_max }| {
-            [o.x, o.y, o.z, *t_min, d.x, d.y, d.z, *t_max]
-        });
-        let distances = self.closest.iter().map(|hit| hit.t);
+        let rays: &[u32] = cast_slice(&self.rays);
+        let distances = self.closest.iter().map(|hit| hit.t.to_bits());
         let primitives = self.closest.iter().map(|hit| hit.primitive);
-        for word in rays.chain(distances).map(f32::to_bits).chain(primitives) {
+        for word in rays.iter().copied().chain(distances).chain(primitives) {
             sink.write_all(&word.to_le_bytes())?;
         }
         let flags: Vec<u8> = self.occluded.iter().map(|&o| u8::from(o)).collect();
@@ -125,18 +123,13 @@ impl RayFile {
 
 /// The numbers of four bytes.
 fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {
-    bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-}
-
-fn ray(bytes: &[u8]) -> Ray {
-    let mut numbers = [0.0; RAY / 4];
-    numbers.iter_mut().zip(words(bytes)).for_each(|(number, bits)| *number = f32::from_bits(bits));
-    let [ox, oy, oz, t_min, dx, dy, dz, t_max] = numbers;
-    Ray { origin: Vec3::new(ox, oy, oz), t_min, direction: Vec3::new(dx, dy, dz), t_max }
+    bytes.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word))
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     #[test]

@@ -92,9 +92,8 @@ impl<'a> Mapping<'a> {
         self.ticks.iter().filter(|tick| !tick.label.is_empty())
     }
 
-    /// Chooses ticks with at most `most` labels; three if two are impossible.
-    pub(super) fn mark(&mut self, most: usize) {
-        let most = most.max(FEWEST_LABELS);
+    /// Chooses ticks with at most `most` labels, of at least two; three if two are impossible.
+    fn mark(&mut self, most: usize) {
         self.ticks = match &self.axis.scale {
             Scale::Log => logarithmic(self.low, self.high, most),
             Scale::Linear => linear(self.low, self.high, most),
@@ -277,7 +276,7 @@ fn mark_along(place: &mut Mapping<'_>, width: f64) -> f64 {
 /// Marks an axis with as many labels as are apart, given half the room of each: logarithmic axes
 /// have uneven distances.
 fn mark(place: &mut Mapping<'_>, most: f64, half: impl Fn(&Tick) -> f64) {
-    for most in (2..=most.max(2.0) as usize).rev() {
+    for most in (FEWEST_LABELS..=FEWEST_LABELS.max(most as usize)).rev() {
         place.mark(most);
         let mut pairs = place.labelled().zip(place.labelled().skip(1));
         let distance = |a: &Tick, b: &Tick| (place.pixel_of(b.at) - place.pixel_of(a.at)).abs();
