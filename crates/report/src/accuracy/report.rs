@@ -255,25 +255,11 @@ impl FastestSettings {
     }
 }
 
-/// The ratio of the times of one setting to those of another.
-fn ratio(one: &SettingResult, other: &SettingResult) -> Option<Uncertain> {
-    let time =
-        |p: &SettingResult, seeds: &[usize]| median(&of_seeds(seeds, &p.times).collect::<Vec<_>>());
-    let rounds = one.times.len().min(other.times.len());
-    bootstrap(rounds, |seeds| Some(time(one, seeds) / time(other, seeds)))
-}
-
 impl SettingSeries<SettingResult> {
     /// The fastest of the measured settings whose error, up to the end of its interval, is at most `error`.
     pub fn reach(&self, error: f64) -> Option<&SettingResult> {
         let reaching = self.points.iter().filter(|point| point.rmse.high <= error);
         reaching.min_by(|a, b| a.seconds.median.total_cmp(&b.seconds.median))
-    }
-
-    /// The measured setting with the most points in at most `seconds`, or the one with the fewest.
-    pub fn within(&self, seconds: f64) -> Option<&SettingResult> {
-        let in_time = |point: &&SettingResult| point.seconds.median <= seconds;
-        self.points.iter().rfind(in_time).or(self.points.first())
     }
 }
 
@@ -298,13 +284,20 @@ impl Family<SettingResult> {
         let reached = random.and_then(|random| random.reach(error));
         let rival = reached.or(random.and_then(|random| random.points.last()));
         let tracing = point.seconds.median;
+        let times = rival.and_then(|rival| {
+            let time = |p: &SettingResult, seeds: &[usize]| {
+                median(&of_seeds(seeds, &p.times).collect::<Vec<_>>())
+            };
+            let rounds = rival.times.len().min(point.times.len());
+            bootstrap(rounds, |seeds| Some(time(rival, seeds) / time(point, seeds)))
+        });
         FastestSetting {
             error,
             sampler: Some(series.name.clone()),
             points: Some(point.x as u64),
             seconds: Some(before + tracing),
             tracing: Some(tracing),
-            times_as_fast: rival.and_then(|rival| ratio(rival, point)),
+            times_as_fast: times,
             at_least: random.is_some() && reached.is_none(),
         }
     }

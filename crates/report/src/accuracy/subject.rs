@@ -142,23 +142,15 @@ impl Subject {
         Ok(PreparedSubject { scene, original, time: Preparation { load, build } })
     }
 
-    /// Renders it.
+    /// Renders it with this kernel, watched.
     ///
     /// # Errors
     /// If it can no longer be prepared, or there is no memory for the image.
-    pub fn render(&mut self, setting: &Setting, seed: u64) -> Result<Rendered> {
-        self.render_with(KernelChoice::default(), setting, seed, &())
-    }
-
-    /// As [`Self::render`], with this kernel, watched.
-    ///
-    /// # Errors
-    /// As for [`Self::render`].
-    fn render_with(
+    pub fn render(
         &mut self,
-        kernel: KernelChoice,
         setting: &Setting,
         seed: u64,
+        kernel: KernelChoice,
         watch: &dyn Watch,
     ) -> Result<Rendered> {
         let PreparedSubject { scene, original, .. } = self.prepare(setting)?;
@@ -178,9 +170,9 @@ impl Subject {
     pub fn timed(&mut self, setting: &Setting, seed: u64) -> Result<(Rendered, Timing)> {
         let (quickest, timing) = Timing::of(|| {
             let repetitions = rounds(REPETITIONS, LEAST_TIMED).skip(1);
-            let mut quickest = self.render(setting, seed)?;
+            let mut quickest = self.render(setting, seed, KernelChoice::default(), &())?;
             for _ in repetitions {
-                let again = self.render(setting, seed)?;
+                let again = self.render(setting, seed, KernelChoice::default(), &())?;
                 if again.seconds < quickest.seconds {
                     quickest = again;
                 }
@@ -225,7 +217,7 @@ impl Subject {
                 let before = told.fetch_max(done, Ordering::Relaxed);
                 progress(SweepProgress::Step(done.saturating_sub(before) * work));
             });
-            let rendered = self.render_with(KernelChoice::Reference, &setting, seed, &watch)?;
+            let rendered = self.render(&setting, seed, KernelChoice::Reference, &watch)?;
             seconds += rendered.seconds;
             films.push(rendered.film);
             if !is_sampled {
@@ -239,7 +231,7 @@ impl Subject {
             let film = mean(&films)?;
             let mut smallest = f64::INFINITY;
             for setting in &nearest {
-                let rendered = self.render(setting, 0)?;
+                let rendered = self.render(setting, 0, KernelChoice::default(), &())?;
                 smallest = smallest.min(compare(&rendered.film, &film)?.rmse);
             }
             if smallest >= FLOOR * standard_error || films.len() >= MOST_REPLICATES {

@@ -98,7 +98,13 @@ impl Varied {
                 let powers = std::iter::successors(Some(1), |threads| Some(threads * 2));
                 let fewer = powers.take_while(|threads| *threads < usual.threads);
                 for threads in fewer.chain([usual.threads]) {
-                    both(&mut list, Variant { threads, ..usual });
+                    let (over, wavefront) = (list.len(), Variant { threads, ..usual });
+                    let both = [("recursive", recursive(wavefront)), ("wavefront", wavefront)];
+                    for (from, (name, variant)) in both.into_iter().enumerate() {
+                        let label = format!("{name}, {}", plural(threads, "thread"));
+                        let step = (over > 0).then_some((from, "threads"));
+                        list.push(ListedVariant { label, variant, over, step });
+                    }
                 }
             }
             Self::Plan => {
@@ -125,16 +131,6 @@ fn ladder(list: &mut Vec<ListedVariant>, usual: Variant, prefix: &str) {
         let step = Some((list.len() - 1, gain));
         let label = format!("{prefix}wavefront, {name}");
         list.push(ListedVariant { label, variant: Variant { kernel, ..usual }, over, step });
-    }
-}
-
-/// Adds both tracers under these conditions, with the step from one thread.
-fn both(list: &mut Vec<ListedVariant>, usual: Variant) {
-    let over = list.len();
-    let threads = plural(usual.threads, "thread");
-    for (from, name, variant) in [(0, "recursive", recursive(usual)), (1, "wavefront", usual)] {
-        let step = (over > 0).then_some((from, "threads"));
-        list.push(ListedVariant { label: format!("{name}, {threads}"), variant, over, step });
     }
 }
 

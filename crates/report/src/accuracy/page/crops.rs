@@ -6,6 +6,7 @@ use crate::accuracy::subject::Subject;
 use crate::page::{Block, Picture};
 use crate::plot::number::{figure, plural, seconds};
 use wavecrest_base::error::Result;
+use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::film::Film;
 use wavecrest_image::compare::compare;
 use wavecrest_image::write::{Transfer, png};
@@ -38,14 +39,15 @@ pub(super) fn rows(
     answers.sort_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median));
     let random = answers.iter().filter_map(|(series, point)| {
         let random = family.random().filter(|random| random.name != series.name)?;
-        Some((random, random.within(point.seconds.median)?))
+        let in_time = |random: &&SettingResult| random.seconds.median <= point.seconds.median;
+        Some((random, random.points.iter().rfind(in_time).or(random.points.first())?))
     });
     let random: Vec<_> = random.collect();
     let mut whole = |(series, point): &(&SettingSeries<SettingResult>, &SettingResult)| {
         let (time, points) = (seconds(point.seconds.median), plural(point.x as usize, "point"));
         let error = figure(point.rmse.value * 100.0);
         let caption = format!("{time}: {}, {points}, error {error} %", series.name);
-        Ok((caption, subject.render(&point.setting, 0)?.film))
+        Ok((caption, subject.render(&point.setting, 0, KernelChoice::default(), &())?.film))
     };
     let answers = answers.iter().map(&mut whole).collect::<Result<Vec<_>>>()?;
     let random = random.iter().map(&mut whole).collect::<Result<Vec<_>>>()?;

@@ -82,21 +82,20 @@ fn chart(
     x: fn(&SettingResult) -> f64,
     caption: String,
 ) -> Chart {
+    // A setting with the interval of its error.
+    let mark = |p: &SettingResult| {
+        let noise = if p.above_noise { "" } else { ", below the noise of the reference" };
+        let points = plural(p.x as usize, "point");
+        let label = format!("{points}, {:.3} ms{noise}", p.seconds.median * 1e3);
+        plot::Point { x: x(p), y: p.rmse.value, low: p.rmse.low, high: p.rmse.high, label }
+    };
     let series = family.series.iter().map(|line| Series {
         name: line.name.clone(),
         draw: Draw::Line,
-        points: line.points.iter().map(|p| mark(p, x(p))).collect(),
+        points: line.points.iter().map(mark).collect(),
     });
     let (series, guides) = (series.collect(), Vec::new());
     Chart { title, x: axis, y: log("RMSE", ""), series, guides, caption }
-}
-
-/// A setting with the interval of its error.
-fn mark(p: &SettingResult, x: f64) -> plot::Point {
-    let noise = if p.above_noise { "" } else { ", below the noise of the reference" };
-    let points = plural(p.x as usize, "point");
-    let label = format!("{points}, {:.3} ms{noise}", p.seconds.median * 1e3);
-    plot::Point { x, y: p.rmse.value, low: p.rmse.low, high: p.rmse.high, label }
 }
 
 /// The references of the scene's errors, in sentences.
