@@ -62,7 +62,8 @@ pub struct SceneTrial {
 /// Describes a geometry.
 pub fn shape(accel: &Accel) -> GeometryFacts {
     let geometry = accel.geometry();
-    let Topology { borders, crowded, .. } = Topology::new(geometry);
+    let edges = edges_of(geometry);
+    let faces = || edges.chunk_by(|a, b| a.0 == b.0).map(<[FaceEdge]>::len);
     let ratios = (0..geometry.triangles.len()).into_par_iter().map(|i| {
         let [a, b, c] = geometry.triangle(i).map(|v| v.as_dvec3());
         let longest =
@@ -80,8 +81,8 @@ pub fn shape(accel: &Accel) -> GeometryFacts {
         dropped: accel.left_out(),
         slivers,
         longest,
-        borders,
-        crowded,
+        borders: faces().filter(|faces| *faces == 1).count() as u64,
+        crowded: faces().filter(|faces| *faces > 2).count() as u64,
     }
 }
 
@@ -89,8 +90,8 @@ pub fn shape(accel: &Accel) -> GeometryFacts {
 pub fn trial(accel: &Accel, effort: &Effort) -> SceneTrial {
     let geometry = accel.geometry();
     let extent = BoundingBall::of(geometry);
-    let prototypes = geometry.prototypes.iter().map(Topology::new).collect();
-    let meshes = MeshEdges { geometry, own: Topology::new(geometry), prototypes };
+    let prototypes = geometry.prototypes.iter().map(edges_of).collect();
+    let meshes = MeshEdges { geometry, own: edges_of(geometry), prototypes };
     let count = rays(geometry, effort, [RAYS / 25, RAYS]);
     let leaks = ask(
         accel,
@@ -134,8 +135,8 @@ const LEAST_DISTANCE: f64 = 32.0;
 /// A geometry with the edges of its own faces, and of those of each prototype.
 struct MeshEdges<'a> {
     geometry: &'a Geometry,
-    own: Topology,
-    prototypes: Vec<Topology>,
+    own: Vec<FaceEdge>,
+    prototypes: Vec<Vec<FaceEdge>>,
 }
 
 impl MeshEdges<'_> {
@@ -146,11 +147,11 @@ impl MeshEdges<'_> {
         let number = rng.below(self.geometry.len()) as u32;
         let primitive = self.geometry.primitive(number);
         // Its mesh, the edges there, the number of the mesh's first primitive, and the mesh's place in the world.
-        let (mesh, topology, first, place) = match primitive {
+        let (mesh, edges, first, place) = match primitive {
             Primitive::Instanced(instanced) => {
                 let (instance, prototype) = self.geometry.instance(instanced);
-                let topology = &self.prototypes[instance.prototype()];
-                (prototype, topology, instance.first(), *instance.to_world())
+                let edges = &self.prototypes[instance.prototype()];
+                (prototype, edges, instance.first(), *instance.to_world())
             }
             _ => (self.geometry, &self.own, 0, DAffine3::IDENTITY),
         };
@@ -166,10 +167,13 @@ impl MeshEdges<'_> {
             return (is_right && !has_holes(&number))
                 .then(|| (Ray::new(from, target - from), [number; 2]));
         }
-        if topology.sides.is_empty() {
+        if edges.is_empty() {
             return None;
         }
-        let (ends, faces) = topology.edge(rng.below(topology.sides.len()))?;
+        let (ends, _) = edges[rng.below(edges.len())];
+        let here = &edges[edges.partition_point(|edge| edge.0 < ends)..];
+        let faces = here.iter().take_while(|edge| edge.0 == ends).map(|(_, face)| *face);
+        let faces: [EdgeFace; 2] = faces.collect::<Vec<_>>().try_into().ok()?;
         let own = faces.map(|(_, primitive)| primitive);
         let point =
             |vertex: u32| place.transform_point3(mesh.positions[vertex as usize].as_dvec3());
@@ -203,49 +207,26 @@ type EdgeFace = (u32, u32);
 /// An edge of a face: the numbers of its ends, the lower first.
 type FaceEdge = ([u32; 2], EdgeFace);
 
-/// The edges of a mesh's triangles and of the halves of its quads, without degenerate ones.
-struct Topology {
-    /// Sorted by the numbers of their ends.
-    sides: Vec<FaceEdge>,
-    /// Edges of only one face: the border of the mesh.
-    borders: u64,
-    /// Edges of more than two.
-    crowded: u64,
-}
-
-impl Topology {
-    fn new(geometry: &Geometry) -> Self {
-        let number = first_of_each(&geometry.positions);
-        let triangles = (0..).zip(&geometry.triangles).map(|(i, &corners)| (i, corners));
-        let first = geometry.triangles.len() as u32;
-        let quads = (first..).zip(&geometry.quads);
-        let all = triangles.chain(quads.flat_map(|(i, quad)| halves(quad).map(|half| (i, half))));
-        let all: Vec<(u32, [u32; 3])> = all.collect();
-        let mut sides: Vec<FaceEdge> = all
-            .into_par_iter()
-            .filter(|(_, face)| !is_degenerate(&face.map(|v| geometry.positions[v as usize])))
-            .flat_map_iter(|(primitive, face)| {
-                let [a, b, c] = face.map(|v| number[v as usize]);
-                [[a, b, c], [b, c, a], [c, a, b]]
-                    .map(|[a, b, c]| ([a.min(b), a.max(b)], (c, primitive)))
-            })
-            .collect();
-        sides.par_sort_unstable();
-        let groups = sides.chunk_by(|a, b| a.0 == b.0).map(<[FaceEdge]>::len);
-        let (borders, crowded) = groups.fold((0, 0), |(borders, crowded), faces| {
-            (borders + u64::from(faces == 1), crowded + u64::from(faces > 2))
-        });
-        Self { sides, borders, crowded }
-    }
-
-    /// The ends of the edge at an index of `sides`, as the first vertex at each position, and the faces there;
-    /// `None` if there are not two.
-    fn edge(&self, place: usize) -> Option<([u32; 2], [EdgeFace; 2])> {
-        let (ends, _) = self.sides[place];
-        let first = self.sides.partition_point(|side| side.0 < ends);
-        let count = self.sides[first..].iter().take_while(|side| side.0 == ends).count();
-        (count == 2).then(|| (ends, [self.sides[first].1, self.sides[first + 1].1]))
-    }
+/// The edges of a mesh's triangles and of the halves of its quads, without degenerate ones, sorted by the numbers of their
+/// ends: at each position those of the first vertex there.
+fn edges_of(geometry: &Geometry) -> Vec<FaceEdge> {
+    let number = first_of_each(&geometry.positions);
+    let triangles = (0..).zip(&geometry.triangles).map(|(i, &corners)| (i, corners));
+    let first = geometry.triangles.len() as u32;
+    let quads = (first..).zip(&geometry.quads);
+    let all = triangles.chain(quads.flat_map(|(i, quad)| halves(quad).map(|half| (i, half))));
+    let all: Vec<(u32, [u32; 3])> = all.collect();
+    let mut edges: Vec<FaceEdge> = all
+        .into_par_iter()
+        .filter(|(_, face)| !is_degenerate(&face.map(|v| geometry.positions[v as usize])))
+        .flat_map_iter(|(primitive, face)| {
+            let [a, b, c] = face.map(|v| number[v as usize]);
+            [[a, b, c], [b, c, a], [c, a, b]]
+                .map(|[a, b, c]| ([a.min(b), a.max(b)], (c, primitive)))
+        })
+        .collect();
+    edges.par_sort_unstable();
+    edges
 }
 
 /// The cosine of the lowest rays that leave a surface: quads are not quite flat.
