@@ -240,7 +240,7 @@ impl Field<'_> {
         drawing.height = bottom + LABEL + 2.0 * GAP;
         if let Some(heading) = heading(along.axis) {
             let end = [width - right, drawing.height];
-            drawing.text(&heading, end, [1.0, BELOW], LABEL, Paint::MUTED);
+            drawing.text(&heading, end, ("end", BELOW), LABEL, Paint::MUTED);
             drawing.height += HEADING;
         }
     }
@@ -313,14 +313,14 @@ fn labels(drawing: &mut Drawing, along: &Mapping<'_>, down: &Mapping<'_>, names_
     for tick in along.labelled() {
         let x = along.pixel_of(tick.at);
         drawing.line(&[[x, bottom], [x, bottom + GAP / 2.0]], Paint::MUTED, 1.0);
-        drawing.text(&tick.label, [x, bottom + GAP], [0.5, BELOW], LABEL, Paint::MUTED);
+        drawing.text(&tick.label, [x, bottom + GAP], ("middle", BELOW), LABEL, Paint::MUTED);
     }
     for tick in down.labelled() {
         let y = down.pixel_of(tick.at);
         drawing.line(&[[left - GAP / 2.0, y], [left, y]], Paint::MUTED, 1.0);
         let (at, align) = match names_above {
-            true => ([left + GAP, y - GAP], [0.0; 2]),
-            false => ([left - GAP, y], [1.0, BESIDE]),
+            true => ([left + GAP, y - GAP], ("start", 0.0)),
+            false => ([left - GAP, y], ("end", BESIDE)),
         };
         drawing.text(&tick.label, at, align, LABEL, Paint::MUTED);
     }

@@ -162,8 +162,8 @@ impl Chart {
         let mut free = f64::NEG_INFINITY;
         for ([x, y], name) in names {
             let (at, align) = match field.turned {
-                true => ([x, y - GAP], [0.5, ABOVE]),
-                false => ([x + GAP, y.max(free)], [0.0, BESIDE]),
+                true => ([x, y - GAP], ("middle", ABOVE)),
+                false => ([x + GAP, y.max(free)], ("start", BESIDE)),
             };
             free = at[1] + APART;
             drawing.text(name, at, align, NOTE, Paint::MUTED);
@@ -207,7 +207,7 @@ impl Chart {
             let sum = ends.fold(0.0, f64::max);
             let Some([x, y]) = field.at(row as f64, sum) else { continue };
             let sum = quantity(sum, &self.y.unit);
-            drawing.text(&sum, [x + GAP, y], [0.0, BESIDE], LABEL, Paint::INK);
+            drawing.text(&sum, [x + GAP, y], ("start", BESIDE), LABEL, Paint::INK);
         }
     }
 

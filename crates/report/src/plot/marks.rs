@@ -69,7 +69,7 @@ pub(super) fn legend(drawing: &mut Drawing, series: &[Series]) {
         if *draw != Draw::Bars {
             marker(drawing, [x + SAMPLE / 2.0, y], index);
         }
-        drawing.text(&name, [x + SAMPLE + GAP, y], [0.0, BESIDE], LABEL, Paint::INK);
+        drawing.text(&name, [x + SAMPLE + GAP, y], ("start", BESIDE), LABEL, Paint::INK);
         x += wide + BETWEEN;
     }
     if x > 0.0 {

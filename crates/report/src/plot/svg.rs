@@ -115,23 +115,18 @@ impl Drawing {
         self.shapes += &format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" {}/>\n", fill(paint));
     }
 
-    /// Adds a text at a point: `anchor` is the part of it at the point, 0 for its start and 1 for
-    /// its end, and `line` one of [`BELOW`], [`BESIDE`] and [`ABOVE`]. An outline in the background
-    /// colour separates it from lines below.
+    /// Adds a text at a point: `anchor` is the part of it at the point, `start`, `middle` or `end`,
+    /// and `line` one of [`BELOW`], [`BESIDE`] and [`ABOVE`]. An outline in the background colour
+    /// separates it from lines below.
     pub(super) fn text(
         &mut self,
         text: &str,
         [x, y]: At,
-        [anchor, line]: [f64; 2],
+        (anchor, line): (&str, f64),
         size: f64,
         paint: Paint,
     ) {
         let ([x, y], width) = ([x, y + line * size].map(number), font::width(text, size));
-        let anchor = match anchor {
-            0.0 => "start",
-            1.0 => "end",
-            _ => "middle",
-        };
         let length = match width > LONG {
             true => format!(" textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"", number(width)),
             false => String::new(),
@@ -148,7 +143,7 @@ impl Drawing {
 
     /// Adds a line of text of this height at the bottom.
     pub(super) fn words(&mut self, text: &str, size: f64, paint: Paint, height: f64) {
-        self.text(text, [0.0, self.height], [0.0, BELOW], size, paint);
+        self.text(text, [0.0, self.height], ("start", BELOW), size, paint);
         self.height += height;
     }
 
