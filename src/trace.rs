@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::common::{SearchOptions, Threads, choice, print, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::lock;
+use wavecrest_base::parallel::with_state;
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::tree::{Tree, Visits};
@@ -168,8 +168,8 @@ impl Answers {
 fn time_passes(accel: &Accel, file: &RayFile, tracer: TracerKind, repeats: u32) -> Answers {
     let (mut closest, mut occluded) =
         (vec![Hit::MISS; file.rays.len()], vec![false; file.rays.len()]);
-    // One for each thread, reused between passes: allocating them is not part of the work.
-    let mut traversals = vec![accel.traversal(); rayon::current_num_threads()];
+    // One for each thread, kept for the next pass.
+    let mut traversals = Vec::new();
     let one_by_one = tracer == TracerKind::Recursive;
     let find = |rays: &[Ray], hits: &mut [Hit], t: &mut Traversal| match one_by_one {
         true => hits.iter_mut().zip(rays).for_each(|(hit, ray)| *hit = accel.closest(ray, t)),
@@ -180,8 +180,8 @@ fn time_passes(accel: &Accel, file: &RayFile, tracer: TracerKind, repeats: u32) 
         false => accel.occluded_of(rays, found, t),
     };
     let mut passes = |any_hit: bool| match any_hit {
-        false => pass(&mut traversals, &file.rays, &mut closest, find),
-        true => pass(&mut traversals, &file.rays, &mut occluded, test),
+        false => pass(accel, &mut traversals, &file.rays, &mut closest, find),
+        true => pass(accel, &mut traversals, &file.rays, &mut occluded, test),
     };
     let mut work = Counters::default();
     let mut samples: Vec<f64> = Vec::new();
@@ -197,24 +197,23 @@ fn time_passes(accel: &Accel, file: &RayFile, tracer: TracerKind, repeats: u32) 
 
 /// Answers a `query` for every ray, block by block.
 fn pass<A: Send>(
-    traversals: &mut [Traversal],
+    accel: &Accel,
+    traversals: &mut Vec<Traversal>,
     rays: &[Ray],
     answers: &mut [A],
     query: impl Fn(&[Ray], &mut [A], &mut Traversal) + Sync,
 ) -> Counters {
     let count = rays_at_once(rays.len());
-    let blocks = Mutex::new(answers.chunks_mut(count).zip(rays.chunks(count)));
-    let next = || lock(&blocks).next();
-    let work = traversals.par_iter_mut().with_max_len(1).map(|traversal| {
-        (traversal.tests, traversal.kernels) = Default::default();
-        while let Some((answers, rays)) = next() {
-            query(rays, answers, traversal);
-        }
-        let Traversal { tests, kernels, .. } = *traversal;
-        Counters { tests, kernels, ..Counters::default() }
-    });
-    work.reduce(Counters::default, |mut all, own| {
-        all += own;
+    let blocks = answers.chunks_mut(count).zip(rays.chunks(count));
+    let kept = Mutex::new(std::mem::take(traversals));
+    let begin = || {
+        let kept = lock(&kept).pop().unwrap_or_else(|| accel.traversal());
+        Traversal { tests: Default::default(), kernels: Default::default(), ..kept }
+    };
+    *traversals =
+        with_state(blocks, begin, |traversal, (answers, rays)| query(rays, answers, traversal));
+    traversals.iter().fold(Counters::default(), |mut all, &Traversal { tests, kernels, .. }| {
+        all += Counters { tests, kernels, ..Counters::default() };
         all
     })
 }

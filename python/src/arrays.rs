@@ -3,7 +3,7 @@
 use numpy::ndarray::Dimension;
 use numpy::{Element, PyArray1, PyArrayMethods, PyReadonlyArray, PyReadonlyArray2};
 use pyo3::prelude::*;
-use rayon::prelude::*;
+use wavecrest_base::parallel;
 use wavecrest_api as api;
 use wavecrest_api::glam::{DVec3, Vec3};
 use wavecrest_api::memory::reserve;
@@ -106,9 +106,6 @@ pub(crate) fn column<'py, T: Element>(
     Ok(array.cast_into()?)
 }
 
-/// Items that a thread computes at once.
-const TOGETHER: usize = 1 << 12;
-
 /// An array of so many rows, which are computed on all threads: of the shape (count,) if they have one
 /// value, or else (count, K).
 pub(crate) fn table<'py, T: Element + Send, const K: usize>(
@@ -120,8 +117,8 @@ pub(crate) fn table<'py, T: Element + Send, const K: usize>(
     let mut values = array.readwrite();
     let rows = values.as_slice_mut()?.as_chunks_mut().0;
     in_stretches(py, count, |part| {
-        let rows = rows[part.clone()].par_iter_mut().zip(part).with_min_len(TOGETHER);
-        rows.for_each(|(into, number)| *into = row(number));
+        let first = part.start;
+        parallel::each_mut(&mut rows[part], |index, into| *into = row(first + index));
     })?;
     drop(values);
     if K == 1 { Ok(array.into_any()) } else { Ok(array.reshape([count, K])?.into_any()) }

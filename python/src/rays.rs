@@ -2,11 +2,10 @@
 
 use std::cmp::Ordering;
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
 
 use numpy::PyArrayMethods;
 use pyo3::prelude::*;
-use rayon::prelude::*;
+use wavecrest_base::parallel;
 use wavecrest_api::glam::DVec3;
 use wavecrest_api::memory::reserve;
 use wavecrest_api::{self as api, Hit, NO_PRIMITIVE, Ray, Traversal};
@@ -150,18 +149,15 @@ impl Rays<'_> {
     ) {
         let size = api::rays_at_once(part.len());
         let starts = part.clone().step_by(size);
-        let traversal = self.shapes.accel.traversal();
-        let worker = Worker { traversal, rays: Vec::new(), hits: Vec::new() };
-        let mut workers = vec![worker; rayon::current_num_threads().min(starts.len())];
-        let blocks = Mutex::new(starts.zip(blocks));
-        let next = || blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
-        workers.par_iter_mut().with_max_len(1).for_each(|worker| {
-            while let Some((start, block)) = next() {
-                let rays = start..part.end.min(start + size);
-                worker.rays.clear();
-                worker.rays.extend(rays.clone().map(|ray| self.rounded(ray)));
-                work(worker, rays, block);
-            }
+        let worker = || {
+            let traversal = self.shapes.accel.traversal();
+            Worker { traversal, rays: Vec::new(), hits: Vec::new() }
+        };
+        parallel::with_state(starts.zip(blocks), worker, |worker, (start, block)| {
+            let rays = start..part.end.min(start + size);
+            worker.rays.clear();
+            worker.rays.extend(rays.clone().map(|ray| self.rounded(ray)));
+            work(worker, rays, block);
         });
     }
 

@@ -25,12 +25,12 @@
 use std::collections::{BTreeSet, HashMap};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rayon::prelude::*;
 use serde_json::Value;
 
 use crate::camera_rays::{CameraRays, HitSums};
 use crate::metadata::{ALPHA, Channel, Entry, Values};
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 use wavecrest_base::memory;
 use wavecrest_core::prepared::{Appearance, Class, Map, PreparedScene};
 use wavecrest_core::render::{self, RenderOptions, TracerKind, Watch, work};
@@ -204,9 +204,8 @@ fn mark_invalid(
     let left = AtomicU64::new(request.invalid);
     let (tracer, seed) = (TracerKind::Recursive, request.seed);
     let options = RenderOptions { tracer, seed, ..RenderOptions::default() };
-    let rows = mask.par_chunks_mut(window.width as usize).enumerate();
-    rows.for_each(|(row, mask)| {
-        let mut tracer = work::tracer(scene, &options);
+    let rows = mask.chunks_mut(window.width as usize).enumerate();
+    parallel::with_state(rows, || work::tracer(scene, &options), |tracer, (row, mask)| {
         for (column, marked) in mask.iter_mut().enumerate() {
             if left.load(Ordering::Relaxed) == 0 {
                 return;

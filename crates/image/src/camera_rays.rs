@@ -7,8 +7,8 @@
 //! needed beyond the result. The samples of a pixel are gathered in order.
 
 use glam::Vec3;
-use rayon::prelude::*;
 
+use wavecrest_base::parallel;
 use wavecrest_core::accel::{Hit, Traversal};
 use wavecrest_core::kernels::precision::Arithmetic;
 use wavecrest_core::math::float::dot;
@@ -168,7 +168,7 @@ impl CameraRays<'_> {
             let height = TILE_EDGE.min(window.height - y);
             let band = Grid::new(Tile { y: window.y + y, height, ..*window }, TILE_EDGE);
             let tiles: Vec<Tile> = (0..band.len()).map(|number| band.tile(number)).collect();
-            let found: Vec<Vec<S>> = tiles.par_iter().map(follow).collect();
+            let found: Vec<Vec<S>> = parallel::map(tiles.iter(), follow);
             for (tile, pixels) in tiles.iter().zip(&found) {
                 for (index, sums) in pixels.iter().enumerate() {
                     let (x, y) = tile.pixel(index as u32);

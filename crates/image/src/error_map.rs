@@ -1,6 +1,5 @@
 //! Images of the differences between two images.
 
-use rayon::prelude::*;
 
 use super::colormap::{diverging, magma};
 use super::compare::{
@@ -8,6 +7,7 @@ use super::compare::{
 };
 use super::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 use wavecrest_core::film::Film;
 
 wavecrest_base::choices! {
@@ -61,8 +61,7 @@ pub fn error_map(a: &Film, b: &Film, kind: MapKind, gain: f32) -> Result<Film> {
 /// If memory does not suffice.
 pub fn flip_map(flip: &Flip, gain: f32) -> Result<Film> {
     let mut film = Film::new(flip.width, flip.height)?;
-    let pixels = film.pixels_mut().par_iter_mut().zip(&flip.map);
-    pixels.for_each(|(out, error)| *out = magma(error * gain));
+    parallel::each_mut(film.pixels_mut(), |i, out| *out = magma(flip.map[i] * gain));
     Ok(film)
 }
 
@@ -74,8 +73,7 @@ fn each_pixel(
 ) -> Result<Film> {
     check_sizes(a, b)?;
     let mut film = Film::new(a.width(), a.height())?;
-    let pixels = film.pixels_mut().par_iter_mut().zip(a.pixels()).zip(b.pixels());
-    pixels.for_each(|((out, a), b)| *out = error(a, b));
+    parallel::each_mut(film.pixels_mut(), |i, out| *out = error(&a.pixels()[i], &b.pixels()[i]));
     Ok(film)
 }
 

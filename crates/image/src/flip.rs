@@ -28,12 +28,12 @@
 mod filter;
 mod tile;
 
-use rayon::prelude::*;
 
 use super::compare::check_sizes;
 use filter::Filters;
 use tile::Tiles;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::parallel;
 use wavecrest_core::film::{Film, reserve};
 
 /// The paper's viewing conditions: a display 0.7 m wide with 3840 pixels in a row, 0.7 m away.
@@ -91,8 +91,8 @@ pub fn flip(a: &Film, reference: &Film, pixels_per_degree: f64) -> Result<Flip> 
     let mut map: Vec<f32> = reserve(a.pixels().len())?;
     map.resize(a.pixels().len(), 0.0);
     let tiles = Tiles::new(Filters::new(pixels_per_degree), [a, reference]);
-    let bands = map.par_chunks_mut(width as usize * tiles.side()).enumerate();
-    bands.for_each(|(band, out)| tiles.band(band, out));
+    let bands = map.chunks_mut(width as usize * tiles.side()).enumerate();
+    parallel::each(bands, |(band, out)| tiles.band(band, out));
     // Each row has its own sum, so that less precision is lost over many pixels.
     let rows = map.chunks_exact(width as usize);
     let sum: f64 = rows.map(|row| row.iter().map(|&v| f64::from(v)).sum::<f64>()).sum();

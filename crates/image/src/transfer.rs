@@ -1,7 +1,6 @@
 //! Conversion of linear values to the levels of 8-bit formats.
 
-use rayon::prelude::*;
-use wavecrest_base::progress;
+use wavecrest_base::{parallel, progress};
 use wavecrest_core::film::Film;
 use wavecrest_core::math::srgb::srgb_encode;
 
@@ -89,9 +88,10 @@ const BRIGHTEST: f32 = 1e18;
 pub fn levels(film: &Film, transfer: Transfer) -> Vec<u8> {
     let width = film.width() as usize;
     let mut levels = vec![0; size_of::<[u8; 3]>() * film.pixels().len()];
-    let rows = levels.par_chunks_exact_mut(size_of::<[u8; 3]>() * width);
-    rows.zip(film.pixels().par_chunks_exact(width))
-        .for_each(|(levels, row)| levels.copy_from_slice(&row_to_bytes(row, transfer)));
+    let rows = levels.chunks_exact_mut(size_of::<[u8; 3]>() * width);
+    parallel::each(rows.zip(film.pixels().chunks_exact(width)), |(levels, row)| {
+        levels.copy_from_slice(&row_to_bytes(row, transfer));
+    });
     levels
 }
 
