@@ -207,8 +207,9 @@ fn pass<A: Send>(
     let blocks = answers.chunks_mut(count).zip(rays.chunks(count));
     let kept = Mutex::new(std::mem::take(traversals));
     let begin = || {
-        let kept = lock(&kept).pop().unwrap_or_else(|| accel.traversal());
-        Traversal { tests: Default::default(), kernels: Default::default(), ..kept }
+        let mut kept = lock(&kept).pop().unwrap_or_else(|| accel.traversal());
+        (kept.tests, kept.kernels) = Default::default();
+        kept
     };
     *traversals =
         with_state(blocks, begin, |traversal, (answers, rays)| query(rays, answers, traversal));
