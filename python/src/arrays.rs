@@ -3,10 +3,10 @@
 use numpy::ndarray::Dimension;
 use numpy::{Element, PyArray1, PyArrayMethods, PyReadonlyArray, PyReadonlyArray2};
 use pyo3::prelude::*;
-use wavecrest_base::parallel;
 use wavecrest_api as api;
 use wavecrest_api::glam::{DVec3, Vec3};
 use wavecrest_api::memory::reserve;
+use wavecrest_api::parallel;
 
 use super::base::{Any, exception, in_stretches};
 

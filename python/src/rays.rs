@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use numpy::PyArrayMethods;
 use pyo3::prelude::*;
-use wavecrest_base::parallel;
 use wavecrest_api::glam::DVec3;
 use wavecrest_api::memory::reserve;
+use wavecrest_api::parallel;
 use wavecrest_api::{self as api, Hit, NO_PRIMITIVE, Ray, Traversal};
 
 use super::arrays::{Column, Rows, column};

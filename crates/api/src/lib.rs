@@ -183,7 +183,7 @@
 // Errors, warnings, options that have names, and memory.
 pub use wavecrest_base::choice::Choice;
 pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
-pub use wavecrest_base::memory;
+pub use wavecrest_base::{memory, parallel};
 
 // From a scene file to a prepared scene.
 pub use wavecrest_core::prepared::PreparedScene;

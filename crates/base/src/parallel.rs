@@ -9,7 +9,11 @@ use crate::lock;
 
 /// Does `work` for each of `items` with the state of a thread, which the thread makes itself; returns the states, in any
 /// order.
-pub fn with_state<I, S>(items: I, state: impl Fn() -> S + Sync, work: impl Fn(&mut S, I::Item) + Sync) -> Vec<S>
+pub fn with_state<I, S>(
+    items: I,
+    state: impl Fn() -> S + Sync,
+    work: impl Fn(&mut S, I::Item) + Sync,
+) -> Vec<S>
 where
     I: Iterator + Send,
     S: Send,
@@ -73,14 +77,24 @@ mod tests {
     #[test]
     fn items_are_handed_out_in_order_to_as_many_threads_as_there_are() {
         for threads in [1, 3] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            let pool =
+                rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
             pool.install(|| {
-                assert_eq!(map(0..1000_u32, |i| 2 * i), (0..1000).map(|i| 2 * i).collect::<Vec<_>>());
+                assert_eq!(
+                    map(0..1000_u32, |i| 2 * i),
+                    (0..1000).map(|i| 2 * i).collect::<Vec<_>>()
+                );
                 let lists = with_state(0..1000_u32, Vec::new, |own, i| own.push(i));
-                assert!((1..=threads).contains(&lists.len()) && lists.iter().all(|list| list.is_sorted()));
+                assert!(
+                    (1..=threads).contains(&lists.len())
+                        && lists.iter().all(|list| list.is_sorted())
+                );
                 assert_eq!(lists.concat().len(), 1000);
                 // What is asked for within an item is done too.
-                assert_eq!(map(0..8_u32, |i| map(0..i, |j| j).len() as u32), (0..8).collect::<Vec<_>>());
+                assert_eq!(
+                    map(0..8_u32, |i| map(0..i, |j| j).len() as u32),
+                    (0..8).collect::<Vec<_>>()
+                );
                 let mut squares = vec![0; 10_000];
                 each_mut(&mut squares, |i, square| *square = i * i);
                 assert_eq!(squares, (0..10_000).map(|i| i * i).collect::<Vec<_>>());

@@ -30,8 +30,8 @@ use serde_json::Value;
 use crate::camera_rays::{CameraRays, HitSums};
 use crate::metadata::{ALPHA, Channel, Entry, Values};
 use wavecrest_base::error::Result;
-use wavecrest_base::parallel;
 use wavecrest_base::memory;
+use wavecrest_base::parallel;
 use wavecrest_core::prepared::{Appearance, Class, Map, PreparedScene};
 use wavecrest_core::render::{self, RenderOptions, TracerKind, Watch, work};
 use wavecrest_core::tile::{Tile, Unit};
@@ -205,23 +205,27 @@ fn mark_invalid(
     let (tracer, seed) = (TracerKind::Recursive, request.seed);
     let options = RenderOptions { tracer, seed, ..RenderOptions::default() };
     let rows = mask.chunks_mut(window.width as usize).enumerate();
-    parallel::with_state(rows, || work::tracer(scene, &options), |tracer, (row, mask)| {
-        for (column, marked) in mask.iter_mut().enumerate() {
-            if left.load(Ordering::Relaxed) == 0 {
-                return;
+    parallel::with_state(
+        rows,
+        || work::tracer(scene, &options),
+        |tracer, (row, mask)| {
+            for (column, marked) in mask.iter_mut().enumerate() {
+                if left.load(Ordering::Relaxed) == 0 {
+                    return;
+                }
+                let (x, y) = (window.x + column as u32, window.y + row as u32);
+                let tile = Tile { x, y, width: 1, height: 1 };
+                let pixel = Unit { tile, samples: 0..scene.camera.rays_per_pixel() };
+                let before = tracer.counters().invalid;
+                tracer.render(scene, &pixel, &mut [[0.0; 3]], &|| watch.cancelled());
+                let found = tracer.counters().invalid - before;
+                if found > 0 {
+                    *marked = 1.0;
+                    left.fetch_sub(found, Ordering::Relaxed);
+                }
             }
-            let (x, y) = (window.x + column as u32, window.y + row as u32);
-            let tile = Tile { x, y, width: 1, height: 1 };
-            let pixel = Unit { tile, samples: 0..scene.camera.rays_per_pixel() };
-            let before = tracer.counters().invalid;
-            tracer.render(scene, &pixel, &mut [[0.0; 3]], &|| watch.cancelled());
-            let found = tracer.counters().invalid - before;
-            if found > 0 {
-                *marked = 1.0;
-                left.fetch_sub(found, Ordering::Relaxed);
-            }
-        }
-    });
+        },
+    );
 }
 
 /// The numbers of a scene's shapes and materials.

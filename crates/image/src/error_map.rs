@@ -1,6 +1,5 @@
 //! Images of the differences between two images.
 
-
 use super::colormap::{diverging, magma};
 use super::compare::{
     check_sizes, distance, relative_difference, signed_difference, squared_difference,

@@ -28,7 +28,6 @@
 mod filter;
 mod tile;
 
-
 use super::compare::check_sizes;
 use filter::Filters;
 use tile::Tiles;

@@ -5,12 +5,12 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use rand::RngExt;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::measure::processor_seconds;
 use crate::summary::generator;
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 use wavecrest_core::counters::{Counters, RayCounts, SampleCounts};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::Order;
@@ -147,16 +147,17 @@ fn count(scene: &PreparedScene, options: &RenderOptions, side: u32) -> (Counters
     let paths: Vec<Unit> = (0..).zip(pixels).map(path).collect();
     // Single paths are what this tracer is for; it counts the same.
     let options = RenderOptions { tracer: TracerKind::Recursive, ..*options };
-    let follow = |paths: &[Unit]| {
-        let mut tracer = work::tracer(scene, &options);
-        for path in paths {
-            tracer.render(scene, path, &mut [[0.0; 3]], &|| false);
-        }
-        tracer.counters()
-    };
+    let tracers = parallel::with_state(
+        paths.chunks(side as usize),
+        || work::tracer(scene, &options),
+        |tracer, paths| {
+            for path in paths {
+                tracer.render(scene, path, &mut [[0.0; 3]], &|| false);
+            }
+        },
+    );
     let mut counters = Counters::default();
-    let each: Vec<_> = paths.par_chunks(side as usize).map(follow).collect();
-    each.into_iter().for_each(|more| counters += more);
+    tracers.iter().for_each(|tracer| counters += tracer.counters());
     (counters, start.elapsed().as_secs_f64())
 }
 

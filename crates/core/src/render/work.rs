@@ -2,10 +2,7 @@
 
 use std::borrow::Cow;
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
-
-use rayon::prelude::*;
 
 use super::{Backdrop, Blocks, Grid, RenderOptions, TracerKind, Watch, batch_size};
 use crate::counters::Counters;
@@ -17,6 +14,7 @@ use crate::wavefront::Wavefront;
 use crate::with_precision;
 use wavecrest_base::error::Result;
 use wavecrest_base::memory::Stage;
+use wavecrest_base::parallel::with_state;
 
 /// Blocks of samples to render for the pixels of a tile.
 #[derive(Clone, Debug)]
@@ -86,17 +84,11 @@ pub fn run(
     let start = Instant::now();
     let backdrop = Backdrop::of(scene);
     let options = RenderOptions { batch: batch_size(scene, options.batch), ..*options };
-    // One worker for each thread, made before the first ray.
-    let threads = rayon::current_num_threads();
-    let worker = || Mutex::new(Worker::new(tracer(scene, &options), tasks));
-    let workers: Vec<_> = (0..threads).map(|_| worker()).collect();
-    (0..tasks.count).into_par_iter().for_each(|number| {
-        if watch.cancelled() || scene.appearance.check().is_err() {
-            return;
+    let worker = || Worker::new(tracer(scene, &options), tasks);
+    let workers = with_state(0..tasks.count, worker, |worker, number| {
+        if !watch.cancelled() && scene.appearance.check().is_ok() {
+            worker.render(&backdrop, tasks, &(tasks.task)(number), watch, keep);
         }
-        let index = rayon::current_thread_index().unwrap_or(0) % threads;
-        let mut worker = workers[index].lock().unwrap_or_else(PoisonError::into_inner);
-        worker.render(&backdrop, tasks, &(tasks.task)(number), watch, keep);
     });
     scene.appearance.check()?;
     Ok(gather(workers, start, scene.accel.geometry().precision))
@@ -177,12 +169,11 @@ pub fn tracer(scene: &PreparedScene, options: &RenderOptions) -> Box<dyn Tracer>
 }
 
 /// Adds up the counts of the tracers.
-fn gather(workers: Vec<Mutex<Worker>>, start: Instant, precision: Precision) -> RenderWork {
+fn gather(workers: Vec<Worker>, start: Instant, precision: Precision) -> RenderWork {
     let mut counters = Counters::default();
     let mut pass_seconds: Vec<(&'static str, f64)> = Vec::new();
     let mut columns = 0;
-    for worker in workers {
-        let Worker { tracer, .. } = worker.into_inner().unwrap_or_else(PoisonError::into_inner);
+    for Worker { tracer, .. } in workers {
         counters += tracer.counters();
         columns += tracer.bytes();
         for (index, (name, seconds)) in tracer.pass_seconds().into_iter().enumerate() {

@@ -21,13 +21,12 @@ pub mod target;
 use std::fmt;
 use std::time::Instant;
 
-use rayon::prelude::*;
-
 use super::setting::{Axis, Facts, Truth};
 use crate::expected::{tiles, timed};
 use crate::plot::number::figure;
 use crate::summary::mean_and_error;
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::sampling::{Points, Sampling};
@@ -294,7 +293,7 @@ fn variances(
     let start = Instant::now();
     // A window is one tile: all threads have work only if there are several windows at once.
     let tiles = windows(scene.camera.size(), pilot_seed(seed, u64::from(film.is_some())));
-    let found = tiles.into_par_iter().map(|tile| {
+    let found = parallel::map(tiles.into_iter(), |tile| {
         if start.elapsed().as_secs_f64() > seconds {
             return Ok(None);
         }
@@ -308,7 +307,7 @@ fn variances(
         }
         Ok(Some(variance(&films)))
     });
-    found.collect()
+    found.into_iter().collect()
 }
 
 /// The variance of a value between images of one size: the mean over all their values.

@@ -44,7 +44,7 @@ pub(super) type Answered<'a> = Vec<(&'a [Ray], Vec<RayAnswer>)>;
 /// What the reference answers with the tree of `accel`.
 pub(super) fn by_reference<'a>(accel: &mut Accel, rays: &'a [Ray]) -> Answered<'a> {
     accel.kernel = KernelChoice::Reference;
-    rays.par_chunks(RAYS_OF_A_CALL).map(|rays| (rays, answers(accel, rays))).collect()
+    parallel::map(rays.chunks(RAYS_OF_A_CALL), |rays| (rays, answers(accel, rays)))
 }
 
 /// Case 49. Slivers, sheets a few ulp apart and wide planes, with rays aimed at their edges and
@@ -100,7 +100,7 @@ pub(super) fn compare(accel: &mut Accel, answered: &Answered<'_>) -> Outcome {
         accel.level = token;
         for kernel in KernelChoice::FOR_RENDERS {
             accel.kernel = kernel;
-            let differences = answered.par_iter().map(|(rays, expected)| {
+            let differences = parallel::map(answered.iter(), |(rays, expected)| {
                 let mut outcome = Outcome::default();
                 for ((ray, found), right) in rays.iter().zip(answers(accel, rays)).zip(expected) {
                     outcome
@@ -109,7 +109,7 @@ pub(super) fn compare(accel: &mut Accel, answered: &Answered<'_>) -> Outcome {
                 outcome
             });
             let context = || format!("{} {}", level.name(), kernel.name());
-            outcome.add(differences.sum::<Outcome>().with_context(context));
+            outcome.add(differences.into_iter().sum::<Outcome>().with_context(context));
             if accel.tree().is_none() {
                 // There is nothing left to vary: every kernel asks every primitive.
                 return outcome;

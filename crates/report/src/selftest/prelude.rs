@@ -2,6 +2,7 @@
 
 pub(super) use glam::{DVec3, Vec3};
 pub(super) use rayon::prelude::*;
+pub(super) use wavecrest_base::parallel;
 
 pub(super) use super::aim::met;
 pub(super) use super::case::{Count, Effort, InputRng, Outcome};
