@@ -51,15 +51,38 @@ pub fn each_mut<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
     });
 }
 
+/// Joins what `of` makes of each number below `count`, which may take nanoseconds, in their order; `none` leaves what it
+/// is joined with as it is.
+pub fn reduce<T: Copy + Send + Sync>(
+    count: usize,
+    none: T,
+    of: impl Fn(usize) -> T + Sync,
+    join: impl Fn(T, T) -> T + Sync,
+) -> T {
+    let starts = (0..count).step_by(TOGETHER);
+    let part = |start: usize| (start..count.min(start + TOGETHER)).map(&of).fold(none, &join);
+    map(starts, part).into_iter().fold(none, &join)
+}
+
+/// The index of the first of `items` that `is` holds for.
+pub fn find_first<T: Sync>(items: &[T], is: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    let first =
+        |(chunk, items): (usize, &[T])| Some(chunk * TOGETHER + items.iter().position(&is)?);
+    map(items.chunks(TOGETHER).enumerate(), first).into_iter().flatten().next()
+}
+
 /// What `make` makes of each of `items`, in their order.
 pub fn map<I: Iterator + Send, T: Send>(items: I, make: impl Fn(I::Item) -> T + Sync) -> Vec<T> {
-    let mut made: Vec<(usize, T)> =
-        with_state(items.enumerate(), Vec::new, |own, (index, item)| own.push((index, make(item))))
-            .into_iter()
-            .flatten()
-            .collect();
-    made.sort_unstable_by_key(|&(index, _)| index);
-    made.into_iter().map(|(_, made)| made).collect()
+    let add = |own: &mut Vec<(usize, T)>, (index, item)| own.push((index, make(item)));
+    let made = with_state(items.enumerate(), Vec::new, add);
+    let mut in_order = Vec::new();
+    in_order.resize_with(made.iter().map(Vec::len).sum(), || None);
+    for own in made {
+        for (index, made) in own {
+            in_order[index] = Some(made);
+        }
+    }
+    in_order.into_iter().flatten().collect()
 }
 
 /// Runs `work` on `most` threads of the current pool, or all. It is compiled once, for all kinds of work.
@@ -98,6 +121,8 @@ mod tests {
                 let mut squares = vec![0; 10_000];
                 each_mut(&mut squares, |i, square| *square = i * i);
                 assert_eq!(squares, (0..10_000).map(|i| i * i).collect::<Vec<_>>());
+                assert_eq!(reduce(10_000, 0, |i| i, |a, b| a + b), 49_995_000);
+                assert_eq!(find_first(&squares, |square| *square > 64_000_000), Some(8001));
                 assert!(map(std::iter::empty::<u32>(), |i| i).is_empty());
             });
         }

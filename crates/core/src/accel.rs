@@ -32,8 +32,6 @@ mod wide;
 
 use std::marker::PhantomData;
 
-use rayon::prelude::*;
-
 use crate::counters::{Kernels, TestCounts};
 use crate::geometry::Geometry;
 use crate::kernels::{Aabb, Arithmetic, Precision};
@@ -47,6 +45,7 @@ use noted::NotedLeaves;
 use packet::Packets;
 use stream::Flight;
 use tlas::Tlas;
+use wavecrest_base::parallel;
 // The types that every search uses, by their names alone.
 use arena::{Arena, ArenaView, Kind, Node, Patch, Ref, Soup, TreeContents, Unit, Units, child_of};
 use best::Best;
@@ -123,8 +122,8 @@ impl Accel {
             return;
         }
         self.tree = Some(build::build(geometry, preset));
-        let prototypes = geometry.prototypes.par_iter();
-        self.blas = prototypes.map(|prototype| build::build(prototype, preset)).collect();
+        let build = |prototype: &Geometry| build::build(prototype, preset);
+        self.blas = parallel::map(geometry.prototypes.iter(), build);
         let boxes: Vec<_> = self.blas.iter().map(|tree| tree.outline(1)).collect();
         self.tlas = Tlas::new(&geometry.instances, &boxes);
     }

@@ -11,7 +11,6 @@ mod quadric;
 use std::ops::Range;
 
 use glam::Vec3;
-use rayon::prelude::*;
 
 use crate::counters::{PrimitiveCounts, TestCounts};
 use crate::kernels::{Aabb, Arithmetic, Precision, ShearedSpace, SlabRay, quad, triangle};
@@ -19,6 +18,7 @@ use crate::math::Ray;
 use crate::math::float::min;
 use cutouts::Cutout;
 use instance::{Instance, Instanced};
+use wavecrest_base::parallel;
 
 pub use quadric::Quadric;
 
@@ -246,8 +246,8 @@ impl Geometry {
 
     /// The number of triangles without area, but for those of prototypes.
     pub(crate) fn left_out(&self) -> u64 {
-        let numbers = (0..self.triangles.len() as u32).into_par_iter();
-        numbers.filter(|&number| self.is_degenerate(number)).count() as u64
+        let of = |number: usize| u64::from(self.is_degenerate(number as u32));
+        parallel::reduce(self.triangles.len(), 0, of, |a, b| a + b)
     }
 
     /// Whether shadow rays pass the primitive.

@@ -20,10 +20,9 @@ mod terrain;
 #[cfg(test)]
 mod tests;
 
-use rayon::prelude::*;
-
 use crate::mesh::MeshData;
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 
 pub use ply::{Written, write_ply};
 pub use recipe::{MOST_TRIANGLES, Model, Recipe};
@@ -42,6 +41,8 @@ pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
 }
 
 /// `item` of 0, 1, ... `count` - 1, computed in parallel and kept in order.
-fn each<T: Send>(count: u64, item: impl Fn(u64) -> T + Sync + Send) -> Vec<T> {
-    (0..count as usize).into_par_iter().map(|i| item(i as u64)).collect()
+fn each<T: Clone + Default + Send>(count: u64, item: impl Fn(u64) -> T + Sync + Send) -> Vec<T> {
+    let mut items = vec![T::default(); count as usize];
+    parallel::each_mut(&mut items, |i, into| *into = item(i as u64));
+    items
 }

@@ -18,13 +18,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DAffine3, DVec3, Vec3};
-use rayon::prelude::*;
 
 use crate::components::{CutOut, Material, View};
 use crate::mesh::MeshData;
 use crate::mtl::GREY;
 use crate::systems::bounds::{self, EMPTY, Ends, around, joined, wide};
 use crate::systems::cutouts::{Masks, left};
+use wavecrest_base::parallel;
 
 pub(crate) use camera::{Framed, framed, view};
 use grid::Grid;
@@ -102,6 +102,9 @@ impl<'a> MeshInstance<'a> {
     }
 }
 
+/// Points or triangles that a thread takes at once.
+const BLOCK: usize = 1 << 12;
+
 /// Whether a bit is set.
 fn is_set(bits: &[AtomicU64], i: usize) -> bool {
     bits[i / 64].load(Ordering::Relaxed) >> (i % 64) & 1 == 1
@@ -115,7 +118,7 @@ fn shown(
     is: impl Fn([u32; 3]) -> bool + Sync,
 ) -> Option<Arc<Vec<AtomicU64>>> {
     let seen: Vec<AtomicU64> = (0..points.len().div_ceil(64)).map(|_| AtomicU64::new(0)).collect();
-    triangles.par_iter().for_each(|triangle| {
+    let add = |triangle: &[u32; 3]| {
         // Reads are cheaper, and most triangles have no corner that is the first at its point.
         let corners = triangle.map(|i| i as usize);
         if corners.iter().all(|&i| is_set(&seen, i)) {
@@ -127,7 +130,8 @@ fn shown(
                 seen[i / 64].fetch_or(1 << (i % 64), Ordering::Relaxed);
             }
         }
-    });
+    };
+    parallel::each(triangles.chunks(BLOCK), |triangles| triangles.iter().for_each(add));
     let count: u32 = seen.iter().map(|word| word.load(Ordering::Relaxed).count_ones()).sum();
     (!triangles.is_empty() && (count as usize) < points.len()).then(|| Arc::new(seen))
 }
@@ -177,8 +181,6 @@ impl<'a> Scenery<'a> {
         of: impl Fn(DVec3) -> T + Sync,
         merge: impl Fn(T, T) -> T + Sync + Send,
     ) -> T {
-        // Blocks, because a reduction of single points calls its functions for each.
-        const BLOCK: usize = 1 << 12;
         let of_instance = |instance: &MeshInstance<'_>| {
             let point = |p: &Vec3| of(instance.world.transform_point3(p.as_dvec3()));
             let block = |(block, points): (usize, &[Vec3])| {
@@ -189,7 +191,8 @@ impl<'a> Scenery<'a> {
                 let shown = numbered.filter(|(i, _)| is_set(seen, *i));
                 shown.map(|(_, p)| point(p)).fold(none, &merge)
             };
-            instance.points.par_chunks(BLOCK).enumerate().map(block).reduce(|| none, &merge)
+            let blocks = instance.points.chunks(BLOCK).enumerate();
+            parallel::map(blocks, block).into_iter().fold(none, &merge)
         };
         self.all.iter().map(of_instance).fold(none, &merge)
     }

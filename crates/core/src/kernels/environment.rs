@@ -6,11 +6,11 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Mat3, Vec3};
-use rayon::prelude::*;
 
 use super::texture::sphere_uv;
 use super::{Filter, Hemisphere, Image, Wrap};
 use crate::math::float::normalize;
+use wavecrest_base::parallel;
 
 /// The surroundings of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +87,7 @@ impl Environment {
                 (to_world * own, color.as_dvec3() * angle)
             }))
         };
-        let sums: Vec<[DVec3; 9]> = (0..rows).into_par_iter().map(row).collect();
+        let sums: Vec<[DVec3; 9]> = parallel::map(0..rows, row);
         Hemisphere::around(&sums, traced)
     }
 }

@@ -9,11 +9,10 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use rayon::prelude::*;
-
 use super::recipe::Recipe;
 use crate::write::ply_header;
 use wavecrest_base::error::{Error, Result};
+use wavecrest_base::parallel;
 use wavecrest_base::replace::replace_file;
 use wavecrest_base::words::Size;
 
@@ -133,7 +132,8 @@ fn fill(
     record_bytes: usize,
     make: &(impl Fn(u64, &mut [u8]) + Sync),
 ) {
-    buffer.par_chunks_mut(RECORDS_PER_TASK * record_bytes).enumerate().for_each(|(task, chunk)| {
+    let chunks = buffer.chunks_mut(RECORDS_PER_TASK * record_bytes);
+    parallel::each(chunks.enumerate(), |(task, chunk)| {
         let start = first + (task * RECORDS_PER_TASK) as u64;
         for (number, record) in (start..).zip(chunk.chunks_exact_mut(record_bytes)) {
             make(number, record);

@@ -4,9 +4,8 @@
 //! change only existing elements. After that, reading an element cannot fail, so that all threads
 //! can read those of a large mesh.
 
-use rayon::prelude::*;
-
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 
 use super::buffer::{Buffer, BufferView};
 use super::fields::Fields;
@@ -237,15 +236,16 @@ impl Elements<'_> {
     }
 
     /// The elements of the indices in `which`, or all, converted by `make` on all threads.
-    pub(super) fn each<T: Send, const N: usize>(
+    pub(super) fn each<T: Clone + Default + Send, const N: usize>(
         &self,
         which: Option<&[u32]>,
         make: impl Fn([f64; N]) -> T + Sync + Send,
     ) -> Vec<T> {
-        match which {
-            Some(which) => which.par_iter().map(|&i| make(self.get(i as usize))).collect(),
-            None => (0..self.accessor.count).into_par_iter().map(|i| make(self.get(i))).collect(),
-        }
+        let mut values = vec![T::default(); which.map_or(self.accessor.count, <[u32]>::len)];
+        parallel::each_mut(&mut values, |i, value| {
+            *value = make(self.get(which.map_or(i, |which| which[i] as usize)));
+        });
+        values
     }
 
     /// All elements as integers, on all threads.
@@ -254,6 +254,8 @@ impl Elements<'_> {
         // Exact: the type is that of indices.
         let index =
             |i| self.bytes_of(i).and_then(|bytes| component.number(bytes)).unwrap_or(0.0) as u32;
-        (0..self.accessor.count).into_par_iter().map(index).collect()
+        let mut indices = vec![0; self.accessor.count];
+        parallel::each_mut(&mut indices, |i, into| *into = index(i));
+        indices
     }
 }

@@ -19,7 +19,6 @@ use std::f64::consts::PI;
 
 use glam::{DAffine3, DVec3};
 use hecs::EntityBuilder;
-use rayon::prelude::*;
 
 use crate::components::{DirectionalLight, Falloff, JsonPath, PointLight, Sampling, Spot, View};
 use crate::corners::direction;
@@ -27,6 +26,7 @@ use crate::format::Range;
 use crate::scene_file::AMBIENT;
 use crate::staging::{BoundingSphere, Scenery};
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 
 use super::fields::Fields;
 
@@ -232,7 +232,9 @@ impl FileLights {
         }
         let middle: f64 = sources().map(|source| source.in_middle(&contents.sphere)).sum();
         let on = |surface: &[DVec3; 2]| sources().map(|source| source.on(*surface)).sum();
-        let mut lit: Vec<f64> = contents.seen(view).par_iter().map(on).collect();
+        let seen = contents.seen(view);
+        let mut lit = vec![0.0; seen.len()];
+        parallel::each_mut(&mut lit, |i, sum| *sum = on(&seen[i]));
         // Surfaces in whose plane a light is are lit by roundings.
         lit.retain(|sum| *sum > middle * f64::from(f32::EPSILON));
         lit.sort_by(f64::total_cmp);

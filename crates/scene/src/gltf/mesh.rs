@@ -134,7 +134,7 @@ impl<'a> PrimitiveReader<'a> {
 
     /// An attribute's elements, with this number of components, one for each used vertex, as `make`
     /// converts them.
-    fn attribute<T: Send, const N: usize>(
+    fn attribute<T: Clone + Default + Send, const N: usize>(
         &mut self,
         Vertices { of, count, used }: &Vertices<'_>,
         name: &str,

@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use super::join::first_of_each;
 use super::{Attribute, NO_VALUE};
 use crate::corners::direction;
+use wavecrest_base::parallel;
 
 /// Largest rotation of a face by single-precision rounding, in degrees. The edges of a prism of
 /// twelve sides have 30 degrees up to this error; either all of them are creases or none.
@@ -39,7 +40,11 @@ pub(crate) fn normals(
     let is_shared = positions.len() <= triangles.len() && !joins;
     let joined: Option<Vec<[u32; 3]>> = (!is_shared).then(|| {
         let numbers = first_of_each(positions);
-        triangles.par_iter().map(|corners| corners.map(|i| numbers[i as usize])).collect()
+        let mut joined = triangles.to_vec();
+        parallel::each_mut(&mut joined, |_, corners| {
+            *corners = corners.map(|i| numbers[i as usize])
+        });
+        joined
     });
     let mesh = CreaseMesh {
         positions,
@@ -97,7 +102,7 @@ impl CreaseMesh<'_> {
             }
             ranges
         };
-        self.triangles.par_chunks(part).enumerate().map(distribute).collect()
+        parallel::map(self.triangles.chunks(part).enumerate(), distribute)
     }
 
     /// The face of a triangle; `None` without area. In double precision no square of a length underflows:

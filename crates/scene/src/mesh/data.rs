@@ -1,10 +1,10 @@
 //! The arrays of a mesh.
 
 use glam::{DVec3, Vec2, Vec3};
-use rayon::prelude::*;
 
 use super::crease;
 use wavecrest_base::error::{Error, Warning};
+use wavecrest_base::parallel;
 use wavecrest_core::math::srgb::srgb_decode;
 pub use wavecrest_core::prepared::{CornerValues as Attribute, NO_VALUE};
 
@@ -53,7 +53,7 @@ impl MeshData {
     pub(crate) fn decode_colors(&mut self, encoding: VertexColors) {
         match (encoding, &mut self.colors) {
             (VertexColors::Srgb, Some(colors)) => {
-                colors.par_iter_mut().for_each(|color| *color = color.map(srgb_decode));
+                parallel::each_mut(colors, |_, color| *color = color.map(srgb_decode));
             }
             (VertexColors::None, colors) => *colors = None,
             _ => {}

@@ -13,8 +13,6 @@
 mod contents;
 mod lines;
 
-use rayon::prelude::*;
-
 use super::data::{Attribute, MeshData, Read};
 use super::faults::{check_count, no_triangles, too_few_corners};
 use super::origin::origin;
@@ -24,6 +22,7 @@ use super::validate::{mend, scale_byte_colors};
 use contents::{Contents, LineCounts, NO_VALUES, WHITE};
 use lines::{cut, each_block};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::parallel;
 
 pub(super) use lines::BLOCK;
 
@@ -63,7 +62,7 @@ impl UnfinishedMesh {
         let origin = self.all.origin;
         let pieces = cut(text, piece);
         let read: Vec<(LineCounts, Result<Contents>)> =
-            pieces.par_iter().map(|text| Contents::read(text, None, origin, None)).collect();
+            parallel::map(pieces.iter(), |text| Contents::read(text, None, origin, None));
         let mut starts = Vec::with_capacity(read.len());
         for (count, _) in &read {
             starts.push(self.start);
@@ -77,7 +76,7 @@ impl UnfinishedMesh {
             piece.or_else(|_| Contents::read(text, Some(start), origin, None).1)
         };
         let read: Vec<Result<Contents>> =
-            read.into_par_iter().zip(&pieces).zip(starts).map(again).collect();
+            parallel::map(read.into_iter().zip(&pieces).zip(starts), again);
         read.into_iter().try_for_each(|piece| self.all.append(piece?))
     }
 

@@ -7,8 +7,7 @@
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 
-use rayon::prelude::*;
-
+use wavecrest_base::parallel;
 use wavecrest_base::progress;
 
 /// A source that can be read at any offset.
@@ -66,9 +65,10 @@ impl ReadAt for &[u8] {
 /// Fills `to` with the bytes of `file` from `place` on, on all threads.
 pub(super) fn fill(file: &dyn ReadAt, place: u64, to: &mut [u8]) -> io::Result<()> {
     const PART: usize = 1 << 18;
-    to.par_chunks_mut(PART)
-        .enumerate()
-        .try_for_each(|(number, part)| file.read_exact_at(part, place + (number * PART) as u64))
+    let read = |(number, part): (usize, &mut [u8])| {
+        file.read_exact_at(part, place + (number * PART) as u64)
+    };
+    parallel::map(to.chunks_mut(PART).enumerate(), read).into_iter().collect()
 }
 
 /// `N` bytes of a row from `offset` on, the least significant first.

@@ -15,10 +15,10 @@ use std::ops::Range;
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
-use rayon::prelude::*;
 
 use crate::corners::{flattened, orientation};
 use wavecrest_base::error::{Error, ErrorKind};
+use wavecrest_base::parallel;
 
 /// Polygons with more corners that are not convex keep their fan: ear clipping takes quadratic
 /// time, or more if the outline crosses itself, and a file must not be able to cost hours.
@@ -65,12 +65,14 @@ pub(super) fn split(
     // In batches, so that the replacements are never large compared with the mesh.
     for batch in polygons.chunks(SPLIT_AT_ONCE) {
         let fans = &*triangles;
-        let repaired: Vec<(Polygon, Vec<[u32; 3]>)> = batch
-            .par_iter()
-            .map_init(Earcut::new, |earcut, &p| Some((p, repair(earcut, p, positions, fans)?)))
-            .flatten_iter()
-            .collect();
-        for (polygon, split) in repaired {
+        let repaired = parallel::map(batch.chunks(SPLIT_AT_ONCE / 64), |polygons| {
+            let mut earcut = Earcut::new();
+            let repaired = polygons.iter().filter_map(|&polygon| {
+                Some((polygon, repair(&mut earcut, polygon, positions, fans)?))
+            });
+            repaired.collect::<Vec<(Polygon, Vec<[u32; 3]>)>>()
+        });
+        for (polygon, split) in repaired.into_iter().flatten() {
             too_large += usize::from(split.is_empty());
             rewrite(polygon, &split, triangles);
             let attributes = attributes.iter_mut().filter(|indices| !indices.is_empty());

@@ -17,7 +17,6 @@
 use std::io::{BufRead as _, BufReader, Read as _};
 
 use glam::Vec3;
-use rayon::prelude::*;
 
 use super::data::{MeshData, NamedMaterials, Read};
 use super::faults::{self, no_triangles, read_failure, syntax};
@@ -25,6 +24,7 @@ use super::place::{ReadAt, Sequence, part};
 use super::validate::{bad_position, is_good_position};
 use super::{join, number};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::parallel;
 
 /// Length of a binary file's header: a text, and the count of triangles.
 const HEAD: usize = 84;
@@ -141,9 +141,9 @@ fn read_binary(
     }
     let mut triangles: Vec<[Vec3; 3]> = bytemuck::zeroed_vec(count as usize);
     let at_once = (buffer / TRIANGLE).max(1);
-    let parts = triangles.par_chunks_mut(at_once).enumerate();
+    let parts = triangles.chunks_mut(at_once).enumerate();
     let read: Vec<Result<bool>> =
-        parts.map(|(part, into)| read_part(file, part * at_once, into)).collect();
+        parallel::map(parts, |(part, into)| read_part(file, part * at_once, into));
     // Report the first error in file order, whichever thread found one first.
     let has_attributes = read.into_iter().try_fold(false, |any, part| part.map(|p| any | p))?;
     if head.windows(COLOR.len()).any(|text| text == COLOR) {

@@ -7,11 +7,11 @@
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
-use rayon::prelude::*;
 
 use super::data::{Attribute, MeshData, NO_VALUE};
 use super::faults::check_count;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::parallel;
 use wavecrest_core::math::float::MAX_COORDINATE;
 
 /// The items of a task: passes over fewer end before other threads wake.
@@ -30,7 +30,7 @@ pub fn validate(mesh: &MeshData, file: &Path) -> Result<()> {
 fn check_all(mesh: &MeshData) -> Result<()> {
     check_count("vertices", mesh.positions.len() as u64)?;
     check_count("triangles", mesh.triangles.len() as u64)?;
-    if let Some(i) = find_first(&mesh.positions, |p| !is_good_position(*p)) {
+    if let Some(i) = parallel::find_first(&mesh.positions, |p| !is_good_position(*p)) {
         return Err(bad_position(mesh.positions[i]).at(format!("vertex {i}")));
     }
     check_indices("vertex", &mesh.triangles, mesh.positions.len(), false)?;
@@ -63,7 +63,7 @@ pub(super) fn bad_index(what: &str, index: impl std::fmt::Display, count: usize)
 /// Checks the indices of corners into `count` values; those `without` a value have [`NO_VALUE`].
 fn check_indices(what: &str, indices: &[[u32; 3]], count: usize, without: bool) -> Result<()> {
     let indices = indices.as_flattened();
-    match find_first(indices, |&i| i as usize >= count && !(without && i == NO_VALUE)) {
+    match parallel::find_first(indices, |&i| i as usize >= count && !(without && i == NO_VALUE)) {
         Some(i) => Err(bad_index(what, indices[i], count).at(format!("triangle {}", i / 3))),
         None => Ok(()),
     }
@@ -114,9 +114,9 @@ const BYTES: f32 = 2.0;
 
 /// Scales colours to 1 at most, where the file has them from 0 to 255, and says so.
 pub(super) fn scale_byte_colors(colors: &mut [Vec3]) -> Option<Error> {
-    let has_bytes = colors.par_iter().any(|color| color.max_element() >= BYTES);
+    let has_bytes = parallel::find_first(colors, |color| color.max_element() >= BYTES).is_some();
     has_bytes.then(|| {
-        colors.par_iter_mut().for_each(|color| *color /= f32::from(u8::MAX));
+        parallel::each_mut(colors, |_, color| *color /= f32::from(u8::MAX));
         let message = "vertex colours above 1 are taken as 0 to 255";
         Error::new(ErrorKind::Mesh, message).remedy("export them as 0 to 1 if they are not")
     })
@@ -124,17 +124,10 @@ pub(super) fn scale_byte_colors(colors: &mut [Vec3]) -> Option<Error> {
 
 /// Replaces the values that are not `good`, and counts them.
 fn replace_bad<T: Send + Sync + Copy>(values: &mut [T], good: fn(T) -> bool, by: T) -> usize {
-    let bad = values.par_iter_mut().with_min_len(PART).filter(|value| !good(**value));
-    bad.map(|value| *value = by).count()
-}
-
-/// The number of the first of `items` that is `bad`.
-pub(super) fn find_first<T: Sync>(
-    items: &[T],
-    bad: impl Fn(&T) -> bool + Sync + Send,
-) -> Option<usize> {
-    let first = |(part, items): (usize, &[T])| Some(part * PART + items.iter().position(&bad)?);
-    items.par_chunks(PART).enumerate().find_map_first(first)
+    let mend = |values: &mut [T]| {
+        values.iter_mut().filter(|value| !good(**value)).map(|value| *value = by).count()
+    };
+    parallel::map(values.chunks_mut(PART), mend).into_iter().sum()
 }
 
 #[cfg(test)]

@@ -9,11 +9,11 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::Scenery;
 use super::fit::{NEAREST, axes};
 use crate::components::View;
+use wavecrest_base::parallel;
 use wavecrest_core::kernels::camera::half_extent;
 
 /// Columns along each side of a face of the box.
@@ -103,21 +103,18 @@ impl Grid {
         let tests = AtomicU64::new(0);
         let mut grid = Self::empty();
         for instance in &contents.all {
-            let found = instance.triangles.par_chunks(BATCH).map(|triangles| {
-                let mut part = Self::empty();
+            let batches = instance.triangles.chunks(BATCH);
+            let parts = parallel::with_state(batches, Self::empty, |part, triangles| {
                 if tests.load(Ordering::Relaxed) <= MOST_TESTS {
                     let add = |triangle: &[u32; 3]| {
                         let [a, b, c] = instance.corners(*triangle);
-                        add(&mut part, [a, b, c], (b - a).cross(c - a))
+                        add(part, [a, b, c], (b - a).cross(c - a))
                     };
                     let count = triangles.iter().map(add).sum();
                     tests.fetch_add(count, Ordering::Relaxed);
                 }
-                part
             });
-            if let Some(part) = found.reduce_with(Self::merged) {
-                grid = grid.merged(part);
-            }
+            grid = parts.into_iter().fold(grid, Self::merged);
         }
         (tests.into_inner() <= MOST_TESTS).then_some(grid)
     }

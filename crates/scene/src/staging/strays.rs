@@ -2,10 +2,10 @@
 //! would show the rest as a dot.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::{MeshInstance, Scenery, shown};
 use crate::systems::bounds::{EMPTY, Ends, joined};
+use wavecrest_base::parallel;
 
 /// Largest share of the number and of the area of triangles that stray parts have.
 const FEW: f64 = 0.01;
@@ -48,9 +48,9 @@ impl Part {
             }
         };
         let of = |instance: &MeshInstance<'_>| {
-            let triangles =
-                instance.triangles.par_iter().map(|&triangle| instance.corners(triangle));
-            triangles.map(one).reduce(|| Self::NONE, Self::with)
+            let triangles = instance.triangles;
+            let of = |i: usize| one(instance.corners(triangles[i]));
+            parallel::reduce(triangles.len(), Self::NONE, of, Self::with)
         };
         contents.all.iter().map(of).fold(Self::NONE, Self::with)
     }

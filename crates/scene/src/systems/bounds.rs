@@ -1,8 +1,8 @@
 //! Bounds of a scene.
 
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
+use wavecrest_base::parallel;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::prepared::PreparedScene;
@@ -28,8 +28,8 @@ pub(crate) fn corners([low, high]: Ends) -> [DVec3; 8] {
 
 /// The smallest box around points; [`Aabb::EMPTY`] without points.
 pub(crate) fn around(points: &[Vec3]) -> Aabb {
-    let point = |&p: &Vec3| Aabb { low: p, high: p };
-    points.par_iter().map(point).reduce(|| Aabb::EMPTY, Aabb::union)
+    let point = |i: usize| Aabb { low: points[i], high: points[i] };
+    parallel::reduce(points.len(), Aabb::EMPTY, point, Aabb::union)
 }
 
 /// The lowest and the highest coordinates of all primitives, in their space; for an instance, those
@@ -44,9 +44,12 @@ pub fn of_file(scene: &PreparedScene) -> Option<[DVec3; 2]> {
     let (geometry, appearance) = (scene.accel.geometry(), &scene.appearance);
     let Some(ground) = appearance.ground else { return of(geometry) };
     let ground = &appearance.shapes[ground].primitives;
-    let meshes = (0..(geometry.own() - geometry.quadrics.len()) as u32).into_par_iter();
-    let own = meshes.filter(|number| !ground.contains(number));
-    let own = own.map(|number| geometry.bounds(number)).reduce(|| Aabb::EMPTY, Aabb::union);
+    let of = |number: usize| match ground.contains(&(number as u32)) {
+        true => Aabb::EMPTY,
+        false => geometry.bounds(number as u32),
+    };
+    let meshes = geometry.own() - geometry.quadrics.len();
+    let own = parallel::reduce(meshes, Aabb::EMPTY, of, Aabb::union);
     with_others(geometry, (own.low.x <= own.high.x).then(|| wide(own)))
 }
 

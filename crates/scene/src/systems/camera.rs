@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use hecs::World;
-use rayon::prelude::*;
 
 use super::bounds::wide;
 use crate::components::{CameraKey, CameraPath, ThinLens, View};
 use crate::query::missing;
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::camera::path::{Keyframe, Path};
 use wavecrest_core::kernels::camera::{Camera, Lens, Placement};
@@ -69,8 +69,7 @@ fn nearest(cameras: &[Camera], geometry: &Geometry) -> f64 {
         let away = pupils.map(|pupil| (low - pupil).max(pupil - high).max(DVec3::ZERO).length());
         away.fold(f64::INFINITY, f64::min)
     };
-    let all = (0..geometry.own() as u32).into_par_iter();
-    all.map(distance).reduce(|| f64::INFINITY, f64::min)
+    parallel::reduce(geometry.own(), f64::INFINITY, |i| distance(i as u32), f64::min)
 }
 
 /// The least side of a pixel around what is seen, and the widest blur by a lens in pixels, in all frames;

@@ -18,6 +18,7 @@ use crate::components::{Channels, CutOut, Encoding, LookUp, TextureRef, TextureS
 use crate::image_file::{Head, range};
 use crate::mesh::MeshData;
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 use wavecrest_core::geometry::cutouts::{Cutout, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::texture::{Filter, LazyImage, Wrap};
@@ -179,12 +180,12 @@ impl<'a> Masks<'a> {
     fn decode(&mut self) -> Result<()> {
         let masks: Vec<&mut AlphaImage> =
             self.known.iter_mut().filter_map(|(_, m)| m.as_mut()).collect();
-        let ranges = masks.into_par_iter().map(|mask| {
+        let ranges = parallel::map(masks.into_iter(), |mask| {
             mask.range = range(mask.image.get()?, 0);
             Ok(())
         });
         // The first error in the order of the file.
-        ranges.collect::<Vec<Result<()>>>().into_iter().collect()
+        ranges.into_iter().collect()
     }
 
     fn of(&self, found: &CutOut) -> Option<&AlphaImage> {

@@ -4,10 +4,10 @@ use std::cmp::Reverse;
 
 use glam::Vec3;
 use hecs::World;
-use rayon::prelude::*;
 
 use super::visibility::Source;
 use crate::components::Transparency;
+use wavecrest_base::parallel;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::prepared::{Class, Shape, Solid};
@@ -22,8 +22,9 @@ pub(crate) fn run(world: &World, classes: &[Class], geometry: &Geometry) -> Vec<
     for (source, shape) in shapes.iter() {
         let Some(solid) = of(&classes[shape.class as usize]) else { continue };
         let priority = transparencies.get(source.0).map_or(0.0, |through| through.priority);
-        let boxes = shape.primitives.clone().into_par_iter().map(|i| geometry.bounds(i));
-        let Aabb { low, high } = boxes.reduce(|| Aabb::EMPTY, Aabb::union);
+        let primitives = &shape.primitives;
+        let of = |i: usize| geometry.bounds(primitives.start + i as u32);
+        let Aabb { low, high } = parallel::reduce(primitives.len(), Aabb::EMPTY, of, Aabb::union);
         let size = (high - low).as_dvec3().length_squared();
         let Vec3 { x, y, z } = solid.absorption;
         // Of numbers that are not negative, bits have the same order.

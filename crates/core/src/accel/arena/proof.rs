@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 
 use bytemuck::Pod;
-use rayon::prelude::*;
 
 use super::{
     Kind, LeafHead, NODE_UNITS, Node, Patch, Ref, Soup, TreeContents, Unit, base, list_units,
 };
 use crate::counters::each;
+use wavecrest_base::parallel;
 
 /// Number of subtrees that are proved separately, so that all threads have work.
 const PROVED_APART: usize = 1024;
@@ -31,11 +31,10 @@ impl Proof<'_> {
             reached += 1;
             self.visit(place, depth, &mut census, |child| top.push_back(child))?;
         }
-        let (census, reached) = Vec::from(top)
-            .into_par_iter()
-            .map(|start| self.below(start))
-            .try_reduce(Default::default, |(a, n), (b, m)| Some((a + b, n + m)))
-            .map(|(below, n)| (census + below, reached + n))?;
+        for below in parallel::map(top.into_iter(), |start| self.below(start)) {
+            let (below, more) = below?;
+            (census, reached) = (census + below, reached + more);
+        }
         // A tree reaches each unit once at most.
         (reached <= self.units.len()).then_some(census)
     }

@@ -9,11 +9,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::Vec3;
 use obvhs::ploc::morton::morton_encode_u32;
-use rayon::prelude::*;
 
-use crate::geometry::{Geometry, Quadric};
+use crate::geometry::Geometry;
 use crate::kernels::Aabb;
 use crate::kernels::triangle::is_degenerate;
+use wavecrest_base::parallel;
 
 /// Bits of a grid for each axis, at most: counters of its cells then stay in the second-level
 /// cache.
@@ -38,9 +38,9 @@ pub(super) struct Chunks {
 
 /// A box around everything that `geometry` holds itself.
 pub(super) fn extents(geometry: &Geometry) -> Aabb {
-    let quadrics = geometry.quadrics.par_iter().map(Quadric::bounds);
-    around(geometry.positions.par_iter().map(|&point| Aabb::around([point])))
-        .union(around(quadrics))
+    let Geometry { positions, quadrics, .. } = geometry;
+    around(positions.len(), |i| Aabb::around([positions[i]]))
+        .union(around(quadrics.len(), |i| quadrics[i].bounds()))
 }
 
 /// Orders the entries that can be hit, all but triangles without area, and cuts them into chunks of
@@ -121,7 +121,7 @@ impl EntryOrder<'_> {
             let cells = members.clone().map(cell).collect();
             Block { members, cells, counts, boxes }
         };
-        let mut blocks: Vec<_> = (0..count.div_ceil(size)).into_par_iter().map(block).collect();
+        let mut blocks: Vec<_> = parallel::map(0..count.div_ceil(size), block);
         // Counts become the start of each block in each cell.
         let mut sum = 0;
         let mut starts = Vec::with_capacity(all_cells + 1);
@@ -134,7 +134,7 @@ impl EntryOrder<'_> {
         starts.push(sum as usize);
         // Every place is written once.
         let entries: Vec<AtomicU32> = (0..sum).map(|_| AtomicU32::new(0)).collect();
-        blocks.par_iter_mut().for_each(|Block { members, cells, counts: next, .. }| {
+        parallel::each(blocks.iter_mut(), |Block { members, cells, counts: next, .. }| {
             let kept = members.zip(&*cells).filter(|&(_, &cell)| cell != NOWHERE);
             for (i, &cell) in kept {
                 let place = &mut next[cell as usize];
@@ -149,7 +149,7 @@ impl EntryOrder<'_> {
             let bounds = boxes.fold(Aabb::EMPTY, |all, &own| all.union(own));
             self.chunks_of(&entries, starts[cells.start]..starts[cells.end], bounds)
         };
-        let found: Vec<_> = runs.into_par_iter().map(chunks_of).collect();
+        let found: Vec<_> = parallel::map(runs.into_iter(), chunks_of);
         let mut chunks: Vec<(Range<usize>, Aabb)> = Vec::new();
         for (run, bounds) in found.into_iter().flatten() {
             // Short runs share a chunk.
@@ -174,10 +174,10 @@ impl EntryOrder<'_> {
             return vec![(run, bounds)];
         }
         let own = &entries[run.clone()];
-        let center = |entry: &AtomicU32| {
-            Aabb::around([middle(&self.geometry.box_of(entry.load(Ordering::Relaxed)))])
+        let center = |i: usize| {
+            Aabb::around([middle(&self.geometry.box_of(own[i].load(Ordering::Relaxed)))])
         };
-        let centers = around(own.par_iter().map(center));
+        let centers = around(own.len(), center);
         if centers.low == centers.high {
             let ends = run.clone().step_by(self.most);
             return ends.map(|start| (start..(start + self.most).min(run.end), bounds)).collect();
@@ -207,9 +207,9 @@ fn cut(starts: &[usize], cells: Range<usize>, most: usize, runs: &mut Vec<Range<
     cut(starts, middle..cells.end, most, runs);
 }
 
-/// A box around all.
-fn around(boxes: impl ParallelIterator<Item = Aabb>) -> Aabb {
-    boxes.fold(|| Aabb::EMPTY, Aabb::union).reduce(|| Aabb::EMPTY, Aabb::union)
+/// A box around so many others.
+fn around(count: usize, of: impl Fn(usize) -> Aabb + Sync) -> Aabb {
+    parallel::reduce(count, Aabb::EMPTY, of, Aabb::union)
 }
 
 /// The centre of the box.

@@ -12,8 +12,9 @@ use crate::mesh::faults::{check_count, syntax};
 use crate::mesh::number::{self, leading_whole};
 use crate::mesh::origin::relative;
 use crate::mesh::polygon::{self, Polygon};
-use crate::mesh::validate::{bad_index, bad_position, find_first, is_good_position};
+use crate::mesh::validate::{bad_index, bad_position, is_good_position};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::parallel;
 
 /// What indices refer to, in the order of a corner.
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
@@ -51,7 +52,7 @@ impl LineCounts {
         (0..KINDS.len()).filter(|&kind| kind == 0 || self.values[kind] > 0).find_map(|kind| {
             let count = self.values[kind];
             let is_beyond = |&index: &u32| index != NO_VALUE && u64::from(index) >= count;
-            let index = lists[kind][find_first(lists[kind], is_beyond)?];
+            let index = lists[kind][parallel::find_first(lists[kind], is_beyond)?];
             Some(bad_index(KINDS[kind], u64::from(index) + 1, count as usize))
         })
     }

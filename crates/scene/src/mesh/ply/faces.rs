@@ -4,7 +4,6 @@
 //! are read in blocks. A row that is another face, or an invalid one, ends that.
 
 use glam::Vec2;
-use rayon::prelude::*;
 
 use super::header::{BodyEncoding, Element};
 use super::layout::{ListLayout, stride};
@@ -103,7 +102,7 @@ impl FaceArrays {
         let is_big = from.encoding == BodyEncoding::BigEndian;
         let decode = if is_big { decode::<true> } else { decode::<false> };
         self.triangles = vec![[0; 3]; element.count as usize];
-        let blocks = self.triangles.par_chunks_mut(at_once);
+        let blocks = self.triangles.chunks_mut(at_once);
         let read =
             from.blocks(row.stride, element.count, blocks, |rows, to| decode(rows, row, to))?;
         self.triangles.truncate(read as usize);

@@ -5,7 +5,7 @@
 //! rows: a row that ends inside a line means that the header does not fit the body, and everything
 //! after it would be misread.
 
-use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::header::{BodyEncoding, Element, Header, PropertyType};
 use crate::mesh::faults::{read_failure, syntax};
@@ -13,6 +13,7 @@ use crate::mesh::number;
 use crate::mesh::place::ReadAt;
 use crate::mesh::scalar::{Scalar, with_type};
 use wavecrest_base::error::{Error, Result};
+use wavecrest_base::parallel;
 
 /// Longest valid number of a text; messages quote no more of longer words.
 const LONGEST: usize = 256;
@@ -112,21 +113,27 @@ impl<'a> Numbers<'a> {
         &mut self,
         stride: usize,
         count: u64,
-        to: impl IndexedParallelIterator<Item = T>,
+        to: impl Iterator<Item = T> + Send,
         decode: impl Fn(&[u8], T) -> usize + Sync,
     ) -> Result<u64> {
         let (file, start) = (self.file, self.place());
         let at_once = (self.block / stride).max(1) as u64;
-        let stops = to.enumerate().map_init(Vec::new, |buffer: &mut Vec<u8>, (block, to)| {
+        let all_good = AtomicU64::new(count);
+        parallel::with_state(to.enumerate(), Vec::new, |buffer: &mut Vec<u8>, (block, to)| {
             let first = block as u64 * at_once;
+            if all_good.load(Ordering::Relaxed) < first {
+                return;
+            }
             let rows = at_once.min(count - first);
             buffer.resize(rows as usize * stride, 0);
             // Rows that cannot be read are read again number by number, which reports the error.
             let is_read = file.read_exact_at(buffer, start + first * stride as u64).is_ok();
             let good = if is_read { decode(buffer, to) as u64 } else { 0 };
-            (good < rows).then_some(first + good)
+            if good < rows {
+                all_good.fetch_min(first + good, Ordering::Relaxed);
+            }
         });
-        let good = stops.find_first(Option::is_some).flatten().unwrap_or(count);
+        let good = all_good.into_inner();
         self.advance(good * stride as u64)?;
         Ok(good)
     }

@@ -5,7 +5,6 @@
 
 use bytemuck::cast_slice_mut;
 use glam::{DVec3, Vec2, Vec3};
-use rayon::prelude::*;
 
 use super::header::BodyEncoding;
 use super::layout::{COLOR, NORMAL, NumberSource, UV, VertexLayout};
@@ -73,9 +72,7 @@ impl VertexArrays {
         let is_big = from.encoding == BodyEncoding::BigEndian;
         let decode = if is_big { decode::<true> } else { decode::<false> };
         let blocks: Vec<Destination<'_>> = self.blocks(1, at_once).collect();
-        from.blocks(stride, count, blocks.into_par_iter(), |rows, to| {
-            decode(layout, origin, rows, to)
-        })
+        from.blocks(stride, count, blocks.into_iter(), |rows, to| decode(layout, origin, rows, to))
     }
 
     /// The vertices from number `first` on, in blocks.

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3, Vec4};
-use rayon::prelude::*;
 
 use super::meshes::{Meshes, append, transform_mesh};
 use super::tangents::tangents;
@@ -12,6 +11,7 @@ use crate::components::{Disk, Mesh, Quad, Sphere, Triangle};
 use crate::mesh::MeshData;
 use crate::systems::placement::{Circle, ShapeGeometry, ShapeInstance};
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 use wavecrest_core::geometry::Quadric;
 use wavecrest_core::kernels::disk;
 use wavecrest_core::kernels::texture::PlanarMap;
@@ -136,7 +136,7 @@ pub(super) fn keep_used(mesh: &mut MeshData, smooth: bool, textured: bool) {
 
 /// Whether any of the factors is not `one`.
 pub(crate) fn is_varied<T: PartialEq + Sync>(factors: &[T], one: &T) -> bool {
-    factors.par_iter().any(|factor| factor != one)
+    parallel::find_first(factors, |factor| factor != one).is_some()
 }
 
 /// The attributes of a mesh whose first triangle and first position these are.

@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use glam::{DAffine3, DVec3, Vec3};
 use hecs::Entity;
-use rayon::prelude::*;
 
 use super::builder::{GeometryBuilder, attributes, has_any, keep_used};
 use super::meshes::Meshes;
@@ -14,6 +13,7 @@ use crate::mesh::MeshData;
 use crate::systems::placement::ShapeInstance;
 use crate::systems::{bounds, frame};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::parallel;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
@@ -62,13 +62,10 @@ impl GeometryBuilder {
         let tangents = uses.normal_mapped.then(|| tangents(&mesh)).flatten();
         let origin = origin(&mesh.positions, points.as_deref());
         if origin != DVec3::ZERO {
-            let positions = mesh.positions.par_iter_mut();
-            match points {
-                Some(points) => {
-                    positions.zip(points).for_each(|(to, p)| *to = (p - origin).as_vec3())
-                }
-                None => positions.for_each(|p| *p = (p.as_dvec3() - origin).as_vec3()),
-            }
+            parallel::each_mut(&mut mesh.positions, |i, p| {
+                let point = points.as_ref().map_or(p.as_dvec3(), |points| points[i]);
+                *p = (point - origin).as_vec3();
+            });
         }
         let MeshData { origin: own_origin, .. } = mesh;
         let geometry = Geometry {
@@ -120,11 +117,8 @@ impl GeometryBuilder {
 /// The new origin of a prototype, in its own space: roughly its centre, if that is far away.
 /// `points` replace its positions, if given.
 fn origin(positions: &[Vec3], points: Option<&[DVec3]>) -> DVec3 {
-    let none = || bounds::EMPTY;
-    let [low, high] = match points {
-        Some(points) => points.par_iter().map(|p| [*p; 2]).reduce(none, bounds::joined),
-        None => positions.par_iter().map(|p| [p.as_dvec3(); 2]).reduce(none, bounds::joined),
-    };
+    let of = |i: usize| [points.map_or_else(|| positions[i].as_dvec3(), |points| points[i]); 2];
+    let [low, high] = parallel::reduce(positions.len(), bounds::EMPTY, of, bounds::joined);
     let (middle, size) = ((low + high) / 2.0, (high - low).max_element());
     let is_far = size > 0.0 && middle.abs().max_element() > FAR_FROM_ORIGIN * size;
     if is_far { frame::nearest(middle, size) } else { DVec3::ZERO }

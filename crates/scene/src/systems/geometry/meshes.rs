@@ -3,14 +3,14 @@
 
 use std::collections::HashMap;
 
-use glam::{DAffine3, DVec3, Vec3, Vec4};
+use glam::{DAffine3, DVec3, Vec4};
 use hecs::{Entity, World};
-use rayon::prelude::*;
 
 use crate::components::Mesh;
 use crate::mesh::MeshData;
 use crate::systems::placement::{ShapeGeometry, ShapeInstance, in_range};
 use wavecrest_base::error::Result;
+use wavecrest_base::parallel;
 use wavecrest_core::math::float::normalize_f64;
 use wavecrest_core::prepared::CornerValues;
 
@@ -98,7 +98,7 @@ impl Meshes {
 
 /// Moves `more` to the end of `all`, which will have `room` items in the end, each `shifted` by the
 /// number of positions `before` it; without a copy if `all` is empty.
-pub(super) fn append<T: Send>(
+pub(super) fn append<T: Copy + Send>(
     all: &mut Vec<T>,
     more: Vec<T>,
     room: usize,
@@ -111,7 +111,9 @@ pub(super) fn append<T: Send>(
         // Once, instead of by doubling. Large arrays are not copied for it: the system moves pages.
         all.reserve_exact(room.saturating_sub(all.len()));
     } else {
-        all.par_extend(more.into_par_iter().map(|item| shifted(item, before)));
+        let own = all.len();
+        all.extend(more);
+        parallel::each_mut(&mut all[own..], |_, item| *item = shifted(*item, before));
     }
 }
 
@@ -127,22 +129,12 @@ pub(super) fn transform_mesh(
     if transform == DAffine3::IDENTITY {
         return Ok(());
     }
-    let carry = |(to, p): (&mut Vec3, DVec3)| {
-        *to = transform.transform_point3(p).as_vec3();
-        in_range(to.as_dvec3())
-    };
-    let own = |p: &mut Vec3| {
-        let point = p.as_dvec3();
-        carry((p, point))
-    };
-    let positions = mesh.positions.par_iter_mut();
-    // Transform every position, even after one out of range: `all` would stop there.
-    let kept = match points {
-        Some(points) => positions.zip(points).map(carry).reduce(|| true, |a, b| a & b),
-        None => positions.map(own).reduce(|| true, |a, b| a & b),
-    };
-    if !kept && let Some(point) = mesh.positions.iter().find(|p| !in_range(p.as_dvec3())) {
-        instance.check_point(point.as_dvec3())?;
+    parallel::each_mut(&mut mesh.positions, |i, p| {
+        let point = points.as_ref().map_or(p.as_dvec3(), |points| points[i]);
+        *p = transform.transform_point3(point).as_vec3();
+    });
+    if let Some(bad) = parallel::find_first(&mesh.positions, |p| !in_range(p.as_dvec3())) {
+        instance.check_point(mesh.positions[bad].as_dvec3())?;
     }
     // Normals are transformed by the cofactors: the inverse transpose without its division.
     let m = transform.matrix3;
@@ -153,14 +145,14 @@ pub(super) fn transform_mesh(
         m.x_axis.cross(m.y_axis) * sign,
     ];
     if let Some(normals) = &mut mesh.normals {
-        normals.values.par_iter_mut().for_each(|n| {
+        parallel::each_mut(&mut normals.values, |_, n| {
             let v = n.as_dvec3();
             let turned = cofactors[0] * v.x + cofactors[1] * v.y + cofactors[2] * v.z;
             *n = normalize_f64(turned).as_vec3();
         });
     }
     if let Some(tangents) = tangents {
-        tangents.values.par_iter_mut().for_each(|tangent| {
+        parallel::each_mut(&mut tangents.values, |_, tangent| {
             let along = normalize_f64(m * tangent.truncate().as_dvec3());
             // A bitangent stays on its side.
             *tangent = along.as_vec3().extend(tangent.w * sign as f32);

@@ -1,4 +1,4 @@
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::*;
 use crate::components::{JsonPath, Order, Transform, Triangle};
