@@ -24,7 +24,7 @@ const OF_CORE: [Arrows; 13] = [
     ("prepared", "accel counters geometry kernels math plan"),
     ("tile", "counters kernels prepared"),
     ("wavefront", "accel counters geometry kernels math plan prepared tile"),
-    ("recursive", "accel counters kernels math plan prepared tile"),
+    ("recursive", "accel counters kernels math prepared tile"),
     ("probe", "accel counters geometry kernels math prepared recursive"),
     ("render", "counters film kernels prepared recursive tile wavefront"),
 ];
