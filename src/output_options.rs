@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use super::common::{IMAGE, choice, command_words, number};
 use wavecrest_base::words;
 use wavecrest_image::farm::Identity;
-use wavecrest_image::metadata::{Entry, Extras, Provenance};
+use wavecrest_image::metadata::{Entry, Extras};
 use wavecrest_image::write::{Develop, Format, Tone};
 
 /// What files say of how their image was made.
@@ -39,7 +39,7 @@ impl Metadata {
             return Vec::new();
         }
         let command = (self == Self::Full).then(|| words::command(command_words()));
-        Provenance { command, ..identity.provenance() }.entries()
+        identity.entries(command)
     }
 
     /// What is written with an image that is developed so, with these entries.

@@ -32,43 +32,6 @@ pub struct Extras<'a> {
     pub develop: Develop,
 }
 
-/// The origin of a render: all inputs of the image.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Provenance {
-    /// The version of the program.
-    pub version: String,
-    /// A hash of the scene, of [`PreparedScene::fingerprint`](wavecrest_core::prepared::PreparedScene::fingerprint).
-    pub scene: u128,
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Number of samples of each pixel.
-    pub samples: u32,
-    /// Precision of hits.
-    pub precision: String,
-    /// The part of the image, as x, y, width and height in pixels; `None` for all of it.
-    pub crop: Option<[u32; 4]>,
-    /// The command, on request: different commands may give the same image.
-    pub command: Option<String>,
-}
-
-impl Provenance {
-    /// The entries, the program first.
-    pub fn entries(&self) -> Vec<Entry> {
-        let entry = |name, text| Some(Entry { name, text });
-        let crop = self.crop.map(|crop| crop.map(|side| side.to_string()).join(","));
-        let entries = [
-            entry("software", format!("wavecrest {}", self.version)),
-            entry("scene", format!("{:032x}", self.scene)),
-            entry("seed", self.seed.to_string()),
-            entry("samples", self.samples.to_string()),
-            entry("precision", self.precision.clone()),
-            crop.and_then(|crop| entry("crop", crop)),
-            self.command.clone().and_then(|command| entry("command", command)),
-        ];
-        entries.into_iter().flatten().collect()
-    }
-}
-
 /// The unambiguous name of an entry among those of other programs.
 pub(super) fn full_name(name: &str) -> String {
     format!("wavecrest.{name}")

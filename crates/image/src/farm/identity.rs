@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::metadata::Provenance;
+use crate::metadata::Entry;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::checked_pixel_count;
 use wavecrest_core::prepared::PreparedScene;
@@ -66,19 +66,24 @@ impl Identity {
         })
     }
 
-    /// The metadata of the image.
-    pub fn provenance(&self) -> Provenance {
-        let [width, height] = self.image;
-        Provenance {
-            version: self.program.clone(),
-            // A text that is no number was not written by this program, and means nothing.
-            scene: u128::from_str_radix(&self.scene, 16).unwrap_or_default(),
-            seed: self.seed,
-            samples: self.samples,
-            precision: self.precision.clone(),
-            crop: Some(self.window).filter(|window| *window != [0, 0, width, height]),
-            command: None,
-        }
+    /// The metadata of the image, the program first: all its inputs, and the `command` if that is asked for, as different
+    /// commands may give the same image.
+    pub fn entries(&self, command: Option<String>) -> Vec<Entry> {
+        let Self { image: [width, height], window, .. } = *self;
+        let entry = |name, text| Some(Entry { name, text });
+        let is_cropped = window != [0, 0, width, height];
+        // A text that is no number was not written by this program, and means nothing.
+        let scene = u128::from_str_radix(&self.scene, 16).unwrap_or_default();
+        let entries = [
+            entry("software", format!("wavecrest {}", self.program)),
+            entry("scene", format!("{scene:032x}")),
+            entry("seed", self.seed.to_string()),
+            entry("samples", self.samples.to_string()),
+            entry("precision", self.precision.clone()),
+            entry("crop", window.map(|side| side.to_string()).join(",")).filter(|_| is_cropped),
+            command.and_then(|command| entry("command", command)),
+        ];
+        entries.into_iter().flatten().collect()
     }
 
     /// The tiles, which do not depend on the options of the render.

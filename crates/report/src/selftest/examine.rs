@@ -64,17 +64,17 @@ pub fn shape(accel: &Accel) -> GeometryFacts {
     let geometry = accel.geometry();
     let edges = edges_of(geometry);
     let faces = || edges.chunk_by(|a, b| a.0 == b.0).map(<[FaceEdge]>::len);
-    let ratios = (0..geometry.triangles.len()).into_par_iter().map(|i| {
+    let of = |i: usize| {
         let [a, b, c] = geometry.triangle(i).map(|v| v.as_dvec3());
         let longest =
             (b - a).length_squared().max((c - b).length_squared().max((a - c).length_squared()));
         // Twice the area is length times height. Degenerate triangles are counted elsewhere.
         let doubled = (b - a).cross(c - a).length();
-        if doubled > 0.0 { longest / doubled } else { 0.0 }
-    });
-    let of = |ratio: f64| (u64::from(ratio >= SLIVER), ratio);
-    let (slivers, longest) =
-        ratios.map(of).reduce(|| (0, 0.0), |a, b| (a.0 + b.0, f64::max(a.1, b.1)));
+        let ratio = if doubled > 0.0 { longest / doubled } else { 0.0 };
+        (u64::from(ratio >= SLIVER), ratio)
+    };
+    let worse = |a: (u64, f64), b: (u64, f64)| (a.0 + b.0, f64::max(a.1, b.1));
+    let (slivers, longest) = parallel::reduce(geometry.triangles.len(), (0, 0.0), of, worse);
     GeometryFacts {
         shapes: geometry.counts(),
         instanced: (geometry.len() - geometry.own()) as u64,
