@@ -1,5 +1,7 @@
 //! What the kernels claim, tried with numbers of every size. A failure is made as small as it can be
 //! and told. References are exact, or in double precision, and share no code with what is tried.
+//! Searches, by every kernel with all instructions and in every kind of tree, are tried against brute
+//! force.
 //!
 //! `PROPTEST_CASES=100000 cargo test --release --test properties` tries more, and
 //! `PROPTEST_RNG_SEED=2` others.
@@ -40,6 +42,28 @@ mod texture;
 
 // Light at extreme places, and reflection of it.
 mod shading;
+
+// Each step of a derivative against differences in double precision. Whole ways of rays, from all cameras and over
+// several mirrors, are followed in `tests/integration/filtering.rs`.
+mod differentials;
+
+// Attempts to make some kernel, with some instructions, answer otherwise than brute force.
+mod kernels;
+
+// Cut-outs, by every kernel.
+mod cutouts;
+
+// What rays cross, and what of that shadow rays pass, against a test of every primitive.
+mod crossings;
+
+// Tiles of coherent rays against brute force.
+mod packets;
+
+// Every choice gives the same answers, and says truly who took which rays.
+mod choice;
+
+// The tree against brute force, and the hard cases of building.
+mod chunks;
 
 use proptest::test_runner::{Config, RngSeed};
 

@@ -39,7 +39,7 @@ use crate::math::Ray;
 use crate::math::multisets::Multisets;
 use crate::math::simd::Level;
 use crate::with_precision;
-use build::Preset;
+use build::{ChunkSizes, Preset};
 use instances::Walks;
 use noted::NotedLeaves;
 use packet::Packets;
@@ -71,7 +71,7 @@ pub struct Traversal {
     /// What rays were inside of.
     pub(crate) media: Multisets,
     /// Whether any-hit searches note where rays pass primitives, for [`Search::transparent_crossings`].
-    pub(crate) notes_passed: bool,
+    pub notes_passed: bool,
     /// Whether an upper bound may take the place of the t of closest hits on triangles and quads,
     /// which is computed last, and not needed for shading.
     pub without_t: bool,
@@ -101,8 +101,13 @@ impl Accel {
     /// Builds the structure of `preset` over `geometry`, to be searched at the best instruction
     /// level of the processor.
     pub fn new(geometry: Geometry, preset: Preset) -> Self {
+        Self::in_chunks(geometry, preset, ChunkSizes::default())
+    }
+
+    /// As [`Self::new`], with trees in chunks of other sizes than usual, which do not affect answers.
+    pub fn in_chunks(geometry: Geometry, preset: Preset, sizes: ChunkSizes) -> Self {
         let mut accel = Self::unbuilt(geometry);
-        accel.rebuild(preset);
+        accel.build(preset, sizes);
         accel
     }
 
@@ -116,13 +121,17 @@ impl Accel {
 
     /// Builds another structure over the same primitives.
     pub fn rebuild(&mut self, preset: Preset) {
+        self.build(preset, ChunkSizes::default());
+    }
+
+    fn build(&mut self, preset: Preset, sizes: ChunkSizes) {
         (self.tree, self.blas, self.tlas) = (None, Vec::new(), Tlas::default());
         let geometry = &self.geometry;
         if preset == Preset::Brute {
             return;
         }
-        self.tree = Some(build::build(geometry, preset));
-        let build = |prototype: &Geometry| build::build(prototype, preset);
+        let build = |geometry: &Geometry| build::build(geometry, preset, sizes);
+        self.tree = Some(build(geometry));
         self.blas = parallel::map(geometry.prototypes.iter(), build);
         let boxes: Vec<_> = self.blas.iter().map(|tree| tree.outline(1)).collect();
         self.tlas = Tlas::new(&geometry.instances, &boxes);
@@ -231,11 +240,17 @@ impl Accel {
         self.trees().filter_map(Tree::chunks).reduce(|[a, b], [c, d]| [a + c, b + d])
     }
 
+    /// Builds the chunks that no ray has reached so far.
+    pub fn build_rest(&self) {
+        let own = self.tree.iter().map(|tree| (tree, &self.geometry));
+        for (tree, geometry) in own.chain(self.blas.iter().zip(&self.geometry.prototypes)) {
+            let searched = Searched { tree, geometry, without_t: false };
+            tree.walk(|place, _| _ = searched.chunk(place));
+        }
+    }
+
     /// Bytes held by all trees.
     pub fn tree_bytes(&self) -> u64 {
         self.trees().map(Tree::bytes).sum::<u64>() + self.tlas.bytes()
     }
 }
-
-#[cfg(test)]
-pub(crate) mod tests;

@@ -252,7 +252,7 @@ impl Observer for Recorder<'_> {
 
 /// The closest hit of a shadow ray on what it does not pass. What is hidden by something that it
 /// passes, within the rounding of t, may be left out.
-fn occluder(accel: &Accel, ray: &Ray, traversal: &mut Traversal) -> Hit {
+pub fn occluder(accel: &Accel, ray: &Ray, traversal: &mut Traversal) -> Hit {
     let mut rest = *ray;
     loop {
         let hit = accel.closest(&rest, traversal);
@@ -272,30 +272,5 @@ fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
             Quadric::Sphere(..) => "sphere",
             Quadric::Disk(_) => "disk",
         },
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::accel::build::Preset;
-    use crate::accel::tests::add_triangle;
-
-    #[test]
-    fn hits_whose_t_is_rounded_down_are_passed() {
-        let ray = Ray { t_max: 1.0, ..Ray::new(Vec3::ZERO, Vec3::Z * 10.0) };
-        let mut geometry = Geometry::default();
-        // 0.7 is above its nearest number, 0.3 below.
-        for z in [3.0, 7.0, 7.0, 9.0] {
-            let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]];
-            add_triangle(&mut geometry, corners.map(|[x, y]| Vec3::new(x, y, z)));
-        }
-        for (passed, found) in [(0..3, 3), (0..1, 1), (0..4, u32::MAX)] {
-            geometry.passed = vec![passed.clone()];
-            let accel = Accel::new(geometry.clone(), Preset::VeryFast);
-            let hit = occluder(&accel, &ray, &mut accel.traversal());
-            assert_eq!(hit.primitive, if found == u32::MAX { Hit::MISS.primitive } else { found });
-            assert_eq!(hit.is_miss(), !accel.occluded(&ray, &mut accel.traversal()), "{passed:?}");
-        }
     }
 }

@@ -129,23 +129,26 @@ impl Preset {
     }
 }
 
-/// Chunk and part sizes of a build.
+/// Chunk and part sizes of a build. Of chunks and parts, 0 counts as 1.
 #[derive(Clone, Copy, Debug)]
-struct ChunkSizes {
-    /// Largest number of entries in a chunk.
-    chunk: usize,
+pub struct ChunkSizes {
+    /// Largest number of entries in a chunk: primitives, of which a quad has two.
+    pub chunk: usize,
     /// Largest number of parts that each of several chunks is cut into.
-    parts: usize,
+    pub parts: usize,
     /// Bytes to reserve for each entry. A tree that needs more is built again with enough.
-    room: usize,
+    pub room: usize,
+}
+
+impl Default for ChunkSizes {
+    fn default() -> Self {
+        Self { chunk: CHUNK, parts: PARTS, room: ROOM }
+    }
 }
 
 /// Builds the tree over every primitive that can be hit: all except triangles without area.
-pub fn build(geometry: &Geometry, preset: Preset) -> Tree {
-    build_cut(geometry, preset, ChunkSizes { chunk: CHUNK, parts: PARTS, room: ROOM })
-}
-
-fn build_cut(geometry: &Geometry, preset: Preset, cut: ChunkSizes) -> Tree {
+pub fn build(geometry: &Geometry, preset: Preset, cut: ChunkSizes) -> Tree {
+    let cut = ChunkSizes { chunk: cut.chunk.max(1), parts: cut.parts.max(1), ..cut };
     let extents = order::extents(geometry);
     let plan = BuildPlan::new(geometry, preset, extents);
     let is_later = preset == Preset::OnDemand && geometry.entries() > cut.chunk;
@@ -161,6 +164,3 @@ fn build_cut(geometry: &Geometry, preset: Preset, cut: ChunkSizes) -> Tree {
     let tree = tree.or_else(|| [cut.room, most].into_iter().find_map(whole));
     Tree { left_out: left_out as u64, ..tree.unwrap_or_default() }
 }
-
-#[cfg(test)]
-mod tests;

@@ -40,6 +40,3 @@ impl KernelChoice {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -214,6 +214,3 @@ pub(super) fn cross_each<P: Arithmetic>(
         hits.extend(found.into_iter().flatten().filter(is_there).map(|t| Hit { t, primitive }));
     }
 }
-
-#[cfg(test)]
-pub(super) mod tests;

@@ -74,3 +74,20 @@ impl NotedLeaves {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Memory for what rays pass is bounded: they are asked one by one if it does not suffice.
+    #[test]
+    fn leaves_are_noted_up_to_a_number() {
+        let mut noted = NotedLeaves::default();
+        let count = |noted: &NotedLeaves, ray| noted.of(ray).map(Iterator::count);
+        noted.begin(true, 2);
+        (0..100_000).for_each(|_| noted.note(1, Ref::default()));
+        assert_eq!([0, 1].map(|ray| count(&noted, ray)), [Some(0), Some(100_000)]);
+        (0..200_000).for_each(|_| noted.note(1, Ref::default()));
+        assert_eq!([0, 1].map(|ray| count(&noted, ray)), [None; 2]);
+    }
+}

@@ -340,6 +340,3 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
         }
     }
 }
-
-#[cfg(test)]
-pub(super) mod tests;

@@ -132,6 +132,20 @@ impl Tree {
         }
     }
 
+    /// Calls `visit` for each leaf with its box, clipped by the boxes of all nodes above it, and its
+    /// primitives. A chunk that is not built is a leaf without any: see [`super::Accel::build_rest`].
+    pub fn for_each_leaf(&self, mut visit: impl FnMut(&Aabb, Vec<u32>)) {
+        let arena = self.arena.view();
+        self.walk(|place, bounds| match place.kind() {
+            Kind::Node => {}
+            Kind::List => visit(bounds, arena.list(place).to_vec()),
+            _ => {
+                let entries = 0..arena.head(place).count as usize;
+                visit(bounds, entries.map(|entry| arena.number_of(place, entry)).collect());
+            }
+        });
+    }
+
     /// The number of nodes and leaves that the surface-area heuristic expects for a ray that
     /// crosses the whole scene's box without a hit.
     pub fn expected_visits(&self) -> Visits {

@@ -158,6 +158,3 @@ fn weights<F: Single>([a, b, c]: &[Vector<F>; 3], step: Vector<F>) -> [F::Double
     let area = normal.dot(normal);
     [step.cross(to_c).dot(normal) / area, to_b.cross(step).dot(normal) / area]
 }
-
-#[cfg(test)]
-mod tests;

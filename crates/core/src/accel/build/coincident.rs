@@ -177,10 +177,6 @@ fn hash(cell: [i32; 3]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::tests::shells;
-    use crate::accel::{Accel, Preset};
-    use crate::math::Ray;
-    use glam::Vec3;
 
     fn cube(center: Vec3A, half: f32) -> Aabb {
         Aabb::new(center - half, center + half)
@@ -205,17 +201,5 @@ mod tests {
         let mut boxes = vec![cube(Vec3A::ZERO, 1e7)];
         boxes.extend((0..10_000).map(|i| cube(Vec3A::new(i as f32 * 1e-4, 0.0, 0.0), 1e-4)));
         assert!(heaps(&boxes).is_empty());
-    }
-
-    /// The outermost hides the others, so that the tree saves nearly all tests.
-    #[test]
-    fn hc22_around_one_another_most_are_not_tested() {
-        for preset in [Preset::Fastest, Preset::VeryFast] {
-            let accel = Accel::new(shells(1000), preset);
-            let mut traversal = accel.traversal();
-            let hit = accel.closest(&Ray::new(Vec3::Z * 9.0, Vec3::NEG_Z), &mut traversal);
-            assert_eq!(hit.primitive, 999);
-            assert!(traversal.tests.primitives.spheres < 100, "{preset:?}: {:?}", traversal.tests);
-        }
     }
 }

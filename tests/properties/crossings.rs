@@ -1,15 +1,16 @@
-//! What rays cross, against a test of every primitive.
-
 use glam::Vec3;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::geometry::{Geometry, Quadric};
+use wavecrest_core::kernels::disk::{self, Disk};
+use wavecrest_core::kernels::precision::{Exact, Reference};
+use wavecrest_core::kernels::{sphere, triangle};
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::probe::occluder;
 
-use super::*;
-use crate::accel::build::Preset;
-use crate::accel::tests::{Numbers, add_quad, add_triangle, bumpy_sphere};
-use crate::accel::{Accel, KernelChoice, NotedLeaves, packet};
-use crate::geometry::Quadric;
-use crate::kernels::precision::{Exact, Reference};
-use crate::kernels::{Disk, disk, sphere};
-use crate::math::simd::Level;
+use crate::kernels::{Numbers, add_quad, add_triangle, bumpy_sphere};
+use crate::packets::scene;
 
 fn crossings(accel: &Accel, ray: &Ray) -> Vec<Hit> {
     let mut hits = vec![Hit::MISS];
@@ -170,7 +171,7 @@ fn weld(geometry: &mut Geometry, n: u32) {
 /// Whatever kernel answers, what many rays pass is what each crosses of the transparent primitives.
 #[test]
 fn hc03_what_many_rays_pass_is_what_each_of_them_crosses() {
-    let mut geometry = packet::tests::scene(60);
+    let mut geometry = scene(60);
     let all = geometry.passed.clone();
     geometry.transparent = vec![all[0].start + 40..all[0].end, all[2].clone()];
     let mut numbers = Numbers(140_000);
@@ -243,14 +244,20 @@ fn hc03_what_many_rays_pass_is_what_each_of_them_crosses() {
     }
 }
 
-/// Memory for what rays pass is bounded: they are asked one by one if it does not suffice.
 #[test]
-fn leaves_are_noted_up_to_a_number() {
-    let mut noted = NotedLeaves::default();
-    let count = |noted: &NotedLeaves, ray| noted.of(ray).map(Iterator::count);
-    noted.begin(true, 2);
-    (0..100_000).for_each(|_| noted.note(1, Ref::default()));
-    assert_eq!([0, 1].map(|ray| count(&noted, ray)), [Some(0), Some(100_000)]);
-    (0..200_000).for_each(|_| noted.note(1, Ref::default()));
-    assert_eq!([0, 1].map(|ray| count(&noted, ray)), [None; 2]);
+fn hits_whose_t_is_rounded_down_are_passed() {
+    let ray = Ray { t_max: 1.0, ..Ray::new(Vec3::ZERO, Vec3::Z * 10.0) };
+    let mut geometry = Geometry::default();
+    // 0.7 is above its nearest number, 0.3 below.
+    for z in [3.0, 7.0, 7.0, 9.0] {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]];
+        add_triangle(&mut geometry, corners.map(|[x, y]| Vec3::new(x, y, z)));
+    }
+    for (passed, found) in [(0..3, 3), (0..1, 1), (0..4, u32::MAX)] {
+        geometry.passed = vec![passed.clone()];
+        let accel = Accel::new(geometry.clone(), Preset::VeryFast);
+        let hit = occluder(&accel, &ray, &mut accel.traversal());
+        assert_eq!(hit.primitive, if found == u32::MAX { Hit::MISS.primitive } else { found });
+        assert_eq!(hit.is_miss(), !accel.occluded(&ray, &mut accel.traversal()), "{passed:?}");
+    }
 }

@@ -1,12 +1,10 @@
-//! Each step of a derivative against differences in double precision. Whole ways of rays, from all cameras and over
-//! several mirrors, are followed in `tests/integration/filtering.rs`.
-
 use glam::{DVec2, DVec3, Vec2, Vec3};
+use wavecrest_core::kernels::differential::{Differential, turn_between, uv_change};
+use wavecrest_core::kernels::texture::{PlanarMap, sphere_uv_change};
+use wavecrest_core::math::float::normalize_f64;
+use wavecrest_core::math::vector::Vector;
 
-use super::*;
-use crate::accel::tests::Numbers;
-use crate::kernels::texture::{PlanarMap, sphere_uv_change};
-use crate::math::float::normalize_f64;
+use crate::kernels::Numbers;
 
 /// How far a derivative may be from the difference, in parts of its length, at 60 degrees or less from the normal.
 const RELATIVE_ERROR: f64 = 2e-5;

@@ -1,13 +1,11 @@
-//! Every choice gives the same answers, and says truly who took which rays.
-
 use glam::Vec3;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::{Accel, KernelChoice};
+use wavecrest_core::counters::{Average, KernelCounts, Kernels};
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::simd::{Level, is_wide};
 
-use crate::accel::build::Preset;
-use crate::accel::tests::{Numbers, answers, bumpy_sphere, through};
-use crate::accel::{Accel, KernelChoice};
-use crate::counters::{Average, KernelCounts, Kernels};
-use crate::math::simd::Level;
-use crate::math::{Ray, is_wide};
+use crate::kernels::{Numbers, answers, bumpy_sphere, through};
 
 /// From one point, in blocks of 8 by 8, all to one side of it along each axis. They are no
 /// multiple of a block.
@@ -31,7 +29,7 @@ fn counted(rays: &[Ray]) -> [Kernels; 5] {
         let mut counted = None;
         // With other levels every ray is taken alone.
         for level in Level::available() {
-            accel.level = level.token().unwrap();
+            accel.level = level.token().expect("it is available");
             let is_wide = is_wide(accel.level);
             let mut traversal = accel.traversal();
             let found = answers(&accel, rays, &mut traversal);

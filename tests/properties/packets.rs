@@ -1,12 +1,11 @@
-//! Tiles of coherent rays against brute force.
-
 use glam::Vec3;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::{Accel, Hit};
+use wavecrest_core::geometry::Geometry;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::simd::is_wide;
 
-use crate::accel::build::Preset;
-use crate::accel::tests::{Numbers, add_quad, bumpy_sphere, cloud};
-use crate::accel::{Accel, Hit};
-use crate::geometry::Geometry;
-use crate::math::{Ray, is_wide};
+use crate::kernels::{Numbers, add_quad, bumpy_sphere, cloud};
 
 /// A mesh that shares vertices, loose triangles and spheres, and a quad; some of each are lights.
 pub(crate) fn scene(n: u32) -> Geometry {

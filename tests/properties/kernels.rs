@@ -1,24 +1,22 @@
-//! Attempts to make some kernel, with some instructions, answer otherwise than brute force.
-
-mod cutouts;
-
 use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
-
-use super::*;
-use crate::geometry::Quadric;
-use crate::kernels::Disk;
-use crate::math::Stream;
-use crate::math::ray::FARTHEST_ORIGIN;
-use crate::math::simd::Level;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::{Accel, Hit, KernelChoice, Traversal};
+use wavecrest_core::counters::TestCounts;
+use wavecrest_core::geometry::{Geometry, Quadric};
+use wavecrest_core::kernels::disk::Disk;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::ray::{FARTHEST_ORIGIN, Ray};
+use wavecrest_core::math::simd::Level;
 
 /// Numbers one after the other.
 pub(crate) struct Numbers(pub(crate) u32);
 
 impl Numbers {
     /// Three from -1 to 1.
-    pub(super) fn vector(&mut self) -> Vec3 {
+    pub(crate) fn vector(&mut self) -> Vec3 {
         let [x, y, z, _] = self.four();
         Vec3::new(x, y, z) * 2.0 - 1.0
     }
@@ -29,7 +27,7 @@ impl Numbers {
     }
 
     /// An integer below `end`.
-    pub(super) fn below(&mut self, end: usize) -> usize {
+    pub(crate) fn below(&mut self, end: usize) -> usize {
         (self.one() * end as f32) as usize % end
     }
 
@@ -45,14 +43,14 @@ pub(crate) fn add_triangle(geometry: &mut Geometry, corners: [Vec3; 3]) {
     geometry.triangles.push([first, first + 1, first + 2]);
 }
 
-pub(super) fn add_quad(geometry: &mut Geometry, corners: [Vec3; 4]) {
+pub(crate) fn add_quad(geometry: &mut Geometry, corners: [Vec3; 4]) {
     let first = geometry.positions.len() as u32;
     geometry.positions.extend(corners);
     geometry.quads.push([0, 1, 2, 3].map(|k| first + k));
 }
 
 /// Triangles, spheres and disks within `size` of the origin.
-pub(super) fn cloud(numbers: &mut Numbers, size: f32) -> Geometry {
+pub(crate) fn cloud(numbers: &mut Numbers, size: f32) -> Geometry {
     let mut geometry = Geometry::default();
     for _ in 0..400 {
         let center = numbers.vector();
@@ -70,7 +68,7 @@ pub(super) fn cloud(numbers: &mut Numbers, size: f32) -> Geometry {
 }
 
 /// A sphere of radius 1 with bumps, of `n` times `n` pairs of triangles.
-pub(super) fn bumpy_sphere(n: u32) -> Geometry {
+pub(crate) fn bumpy_sphere(n: u32) -> Geometry {
     let position = |i: u32| {
         let (u, v) = (i % (n + 1), i / (n + 1));
         let (longitude, latitude) = (u as f32 / n as f32 * TAU, v as f32 / n as f32 * PI);
@@ -87,16 +85,16 @@ pub(super) fn bumpy_sphere(n: u32) -> Geometry {
 }
 
 /// Spheres around one another: the last hides the others.
-pub(super) fn shells(count: u32) -> Geometry {
+pub(crate) fn shells(count: u32) -> Geometry {
     let shell = |i| Quadric::Sphere(Vec3::ZERO, 1.0 + i as f32 * 1e-3);
     Geometry { quadrics: (0..count).map(shell).collect(), ..Geometry::default() }
 }
 
 /// The closest hits of rays, and whether they meet anything.
-pub(super) type Answers = (Vec<Hit>, Vec<bool>);
+pub(crate) type Answers = (Vec<Hit>, Vec<bool>);
 
 /// The answers to all rays together.
-pub(super) fn answers(accel: &Accel, rays: &[Ray], traversal: &mut Traversal) -> Answers {
+pub(crate) fn answers(accel: &Accel, rays: &[Ray], traversal: &mut Traversal) -> Answers {
     // Whatever was there before is written over.
     let mut hits = vec![Hit { t: 0.5, primitive: 0 }; rays.len()];
     let mut occluded = vec![true; rays.len()];
@@ -105,13 +103,13 @@ pub(super) fn answers(accel: &Accel, rays: &[Ray], traversal: &mut Traversal) ->
     (hits, occluded)
 }
 
-pub(super) fn brute(geometry: &Geometry, rays: &[Ray]) -> Answers {
+pub(crate) fn brute(geometry: &Geometry, rays: &[Ray]) -> Answers {
     let accel = Accel::new(geometry.clone(), Preset::Brute);
     answers(&accel, rays, &mut accel.traversal())
 }
 
 /// Asks every kernel with all instructions there are, rays alone and together.
-pub(super) fn check(name: &str, accel: &mut Accel, rays: &[Ray], (hits, occluded): &Answers) {
+pub(crate) fn check(name: &str, accel: &mut Accel, rays: &[Ray], (hits, occluded): &Answers) {
     for level in Level::available() {
         accel.level = level.token().expect("it is available");
         let mut traversal = accel.traversal();
@@ -133,7 +131,7 @@ pub(super) fn check(name: &str, accel: &mut Accel, rays: &[Ray], (hits, occluded
 }
 
 /// [`check`]s two trees against brute force; says how many hits there were.
-pub(super) fn compare(name: &str, geometry: &Geometry, rays: &[Ray]) -> usize {
+pub(crate) fn compare(name: &str, geometry: &Geometry, rays: &[Ray]) -> usize {
     let expected = brute(geometry, rays);
     for preset in [Preset::VeryFast, Preset::Medium] {
         let mut accel = Accel::new(geometry.clone(), preset);
@@ -174,7 +172,7 @@ fn hc03_a_triangle_with_a_corner_at_the_height_of_a_tiny_rays_origin_is_met() {
 }
 
 /// Random rays through a cloud.
-pub(super) fn through(numbers: &mut Numbers, count: usize) -> Vec<Ray> {
+pub(crate) fn through(numbers: &mut Numbers, count: usize) -> Vec<Ray> {
     (0..count)
         .map(|_| {
             let (origin, target) = (numbers.vector() * 3.0, numbers.vector());
@@ -189,7 +187,7 @@ fn fast_hits_are_nearly_the_exact_ones_in_every_way() {
     let mut geometry = cloud(&mut numbers, 1.0);
     let rays = through(&mut numbers, 4000);
     let (exact, _) = brute(&geometry, &rays);
-    geometry.precision = crate::kernels::precision::Precision::Fast;
+    geometry.precision = Precision::Fast;
     let mut accel = Accel::new(geometry, Preset::Fast);
     for level in Level::available() {
         accel.level = level.token().expect("it is available");

@@ -1,20 +1,18 @@
-//! Cut-outs, by every kernel.
-
 use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
+use wavecrest_core::accel::Accel;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::geometry::Geometry;
+use wavecrest_core::geometry::cutouts::Cutout;
+use wavecrest_core::geometry::instance::Instance;
+use wavecrest_core::kernels::slab::Aabb;
+use wavecrest_core::kernels::texture::{Filter, Image, LazyImage, PlanarMap, Texels, UvMap, Wrap};
+use wavecrest_core::math::ray::Ray;
 
-use super::{Numbers, add_quad, add_triangle, cloud, compare};
-use crate::accel::Accel;
-use crate::accel::build::Preset;
-use crate::accel::crossings::tests::checked;
-use crate::geometry::Geometry;
-use crate::geometry::cutouts::Cutout;
-use crate::geometry::instance::Instance;
-use crate::kernels::texture::{PlanarMap, Texels};
-use crate::kernels::{Aabb, Filter, Image, LazyImage, UvMap, Wrap};
-use crate::math::Ray;
+use crate::crossings::checked;
+use crate::kernels::{Numbers, add_quad, add_triangle, cloud, compare};
 
 /// An image of 8 by 8 texels of this alpha.
 fn image(alpha: impl Fn(u32) -> u8) -> Arc<LazyImage> {
