@@ -230,12 +230,6 @@ impl Batch {
         self.media[self.rays.path[i] as usize] = media;
     }
 
-    /// The rays of this bounce in the form of kernels.
-    pub fn all_rays(&self) -> AllRays<'_> {
-        let t_min = Some(self.starts.as_slice()).filter(|_| !self.states.is_empty());
-        self.rays.all(t_min, f32::INFINITY)
-    }
-
     /// Appends the state of a next ray, and its least t.
     pub fn push_state(&mut self, state: PathState, t_min: f32) {
         append(&mut self.next_states, self.capacity, state);

@@ -10,7 +10,9 @@ impl<P: Arithmetic> Wavefront<P> {
         let Self { batch, traversal, .. } = self;
         let mut hits = std::mem::take(&mut batch.hits);
         let answers = &mut hits[..batch.rays.len()];
-        scene.accel.search::<P>().closest_of(batch.all_rays(), answers, traversal);
+        let t_min = Some(batch.starts.as_slice()).filter(|_| !batch.states.is_empty());
+        let rays = batch.rays.all(t_min, f32::INFINITY);
+        scene.accel.search::<P>().closest_of(rays, answers, traversal);
         for (answer, state) in answers.iter_mut().zip(&batch.states) {
             if !state.next.is_miss() {
                 *answer = state.next;

@@ -52,12 +52,6 @@ impl<'a> Notes<'a> {
         if place.is_empty() { error } else { error.at(place) }
     }
 
-    /// The error of a mesh reader, prefixed with the place in the scene that names the mesh.
-    pub(crate) fn mesh_error(&self, cause: Error, place: &str) -> Error {
-        let message = format!("cannot read the mesh: {cause}");
-        self.error(cause.kind(), &format!("{place}.file"), message).because(cause)
-    }
-
     /// Adds a warning with the text of `error`.
     pub(crate) fn warn(&self, error: &Error) {
         self.warnings.borrow_mut().add_error(error);

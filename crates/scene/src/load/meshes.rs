@@ -118,7 +118,10 @@ fn read(
     notes: &Notes<'_>,
 ) -> Result<(Mesh, NamedMaterials)> {
     notes.reads(file);
-    let mut loaded = mesh::load(file).map_err(|cause| notes.mesh_error(cause, place))?;
+    let mut loaded = mesh::load(file).map_err(|cause| {
+        let message = format!("cannot read the mesh: {cause}");
+        notes.error(cause.kind(), &format!("{place}.file"), message).because(cause)
+    })?;
     notes.pass_on(loaded.warnings);
     loaded.mesh.decode_colors(*colors);
     let mesh = Mesh { data: loaded.mesh, file: Some(file.clone()), ..Mesh::default() };

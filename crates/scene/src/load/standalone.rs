@@ -54,8 +54,10 @@ pub(super) fn world(
     let shown: Vec<VisibleMesh<'_>> = shown.collect();
     let instances = shown.iter().flat_map(|shown| shown.instances(std::iter::once(origin)));
     let contents = Scenery::new(instances.collect());
-    let framed =
-        staging::framed(&contents, usual_up(path), options).map_err(|error| error.in_file(path))?;
+    // The format states no up axis: in files from CAD programs and for printers it is mostly z.
+    let is_stl = path.extension().is_some_and(|name| name.eq_ignore_ascii_case("stl"));
+    let up = Upward::Guessed(if is_stl { Up::Z } else { Up::Y });
+    let framed = staging::framed(&contents, up, options).map_err(|error| error.in_file(path))?;
     let mut world = World::new();
     let (settings, told) = staging::light(&mut world, &contents, &framed, path, &options.lighting);
     // Nothing is seen of the choices without a mesh.
@@ -67,11 +69,4 @@ pub(super) fn world(
     }
     staging::allow_for_surfaces(&mut world);
     Ok((world, told))
-}
-
-/// The up axis of a mesh, whose format states none: in files from CAD programs and for printers
-/// mostly z.
-fn usual_up(path: &Path) -> Upward {
-    let is_stl = path.extension().is_some_and(|name| name.eq_ignore_ascii_case("stl"));
-    Upward::Guessed(if is_stl { Up::Z } else { Up::Y })
 }
