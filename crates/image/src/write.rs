@@ -94,9 +94,23 @@ pub fn write(film: &Film, path: &Path, transfer: Transfer) -> Result<()> {
 pub fn write_with(film: &Film, path: &Path, transfer: Transfer, extras: &Extras<'_>) -> Result<()> {
     let format = Format::from_path(path)?;
     progress::expect(film.pixels().len() as u64);
-    replace_file(path, |sink| {
-        encode(sink, film, format, transfer, extras).map_err(|error| encode_error(path, error))
-    })
+    replace_file(path, |sink| write_to(sink, path, film, format, transfer, extras))
+}
+
+/// As [`write_with`], to a `sink` that errors call `path`.
+///
+/// # Errors
+/// If `sink` cannot be written to, or a channel does not have one value for each pixel of the film.
+pub fn write_to(
+    sink: &mut Sink<'_>,
+    path: &Path,
+    film: &Film,
+    format: Format,
+    transfer: Transfer,
+    extras: &Extras<'_>,
+) -> Result<()> {
+    let failed = |error| encode_error(path, error).in_file(path);
+    encode(sink, film, format, transfer, extras).map_err(failed)
 }
 
 /// `film` as the bytes of a PNG.
