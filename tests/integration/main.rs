@@ -31,6 +31,9 @@ mod memory;
 // Renders in parts: who looks on, who ends them early, and samples in blocks.
 mod parts;
 
+// Files of images: what is written is read again, and what is damaged is refused.
+mod image;
+
 // Shards and checkpoints: the image of one process, and what does not fit refused by name.
 mod farm;
 

@@ -154,52 +154,14 @@ fn end_of_attribute(bytes: &[u8], at: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metadata::Channel;
-    use image::codecs::openexr::OpenExrEncoder;
-    use image::{ExtendedColorType, ImageEncoder};
 
-    fn film() -> Film {
-        let pixel = |i: u32| [i as f32 / 37.0, 1.5 - i as f32 / 10.0, f32::from_bits(i << 20)];
-        Film::from_pixels(97, 65, (0..97 * 65).map(pixel).collect()).unwrap()
-    }
-
-    #[test]
-    fn without_extras_the_bytes_are_those_of_the_crate_image() {
-        let film = film();
-        let mut bytes = Cursor::new(Vec::new());
-        let encoder = OpenExrEncoder::new(&mut bytes);
-        let pixels = bytemuck::cast_slice(film.pixels());
-        encoder.write_image(pixels, 97, 65, ExtendedColorType::Rgb32F).unwrap();
-        assert!(encode(&film, &Extras::default()).unwrap() == bytes.into_inner());
-    }
-
-    #[test]
-    fn the_bytes_follow_from_the_entries_and_not_from_chance() {
-        let names = ["software", "seed", "scene", "crop", "command", "samples", "precision"];
-        let entries = names.map(|name| Entry { name, text: format!("of {name}: \u{434}") });
-        let film = film();
-        let extras = Extras { entries: &entries, ..Extras::default() };
-        let first = encode(&film, &extras).unwrap();
-        for _ in 0..20 {
-            assert!(encode(&film, &extras).unwrap() == first);
-        }
-        let place = |text: &str| first.windows(text.len()).position(|w| w == text.as_bytes());
-        assert!(place("wavecrest.command") < place("wavecrest.crop"));
-        assert!(place("of seed: \u{434}").is_some() && place("software\0string\0").is_some());
-    }
-
-    #[test]
-    fn a_channel_of_another_size_is_refused() {
-        let channel = Channel { name: "a".into(), values: Values::Integers(vec![1; 3]) };
-        let extras = Extras { channels: &[channel], ..Extras::default() };
-        let told = encode(&film(), &extras).unwrap_err().to_string();
-        assert!(told.contains("a has another size"), "{told}");
-    }
+    /// The start of a file: its preamble, an attribute, and the name of another.
+    const START: [u8; 40] =
+        *b"\x76\x2f\x31\x01\x02\x02\0\0chunkCount\0int\0\x04\0\0\0\x04\0\0\0channels\0";
 
     #[test]
     fn a_header_that_is_cut_short_is_no_header() {
-        let mut whole = encode(&film(), &Extras::default()).unwrap();
-        whole.truncate(40);
+        let mut whole = START;
         for length in 0..whole.len() {
             assert_eq!(sort_attributes(&mut whole[..length]), None);
         }

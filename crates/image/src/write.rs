@@ -245,6 +245,3 @@ pub(super) fn encode_error(path: &Path, error: ImageError) -> Error {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,9 +1,15 @@
-use super::super::read::read;
-use super::*;
+//! What is written is what is read.
+
+use wavecrest_core::film::Film;
+use wavecrest_image::metadata::{Entry, Extras};
+use wavecrest_image::read::read;
+use wavecrest_image::write::{Format, Transfer, check_writable, row_to_bytes, write, write_with};
+
+use crate::support::folder;
 
 fn film() -> Film {
     let pixel = |i: u32| [i as f32 / 37.0, 1.5 - i as f32 / 10.0, f32::from_bits(i << 20)];
-    Film::from_pixels(7, 5, (0..35).map(pixel).collect()).unwrap()
+    Film::from_pixels(7, 5, (0..35).map(pixel).collect()).expect("a film")
 }
 
 fn eight_bit(film: &Film, transfer: Transfer) -> Vec<u8> {
@@ -11,11 +17,11 @@ fn eight_bit(film: &Film, transfer: Transfer) -> Vec<u8> {
 }
 
 fn written(name: &str, film: &Film, transfer: Transfer) -> Film {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let path = folder.path().join(name);
-    check_writable(&path).unwrap();
-    write(film, &path, transfer).unwrap();
-    read(&path).unwrap()
+    check_writable(&path).expect("a folder that takes files");
+    write(film, &path, transfer).expect("a file");
+    read(&path).expect("an image")
 }
 
 #[test]
@@ -41,7 +47,7 @@ fn eight_bit_formats_keep_the_levels() {
 
 #[test]
 fn what_is_said_of_an_image_changes_no_pixel() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let entry = |name, text: &str| Entry { name, text: text.to_owned() };
     let entries = [entry("software", "w 1"), entry("seed", "7"), entry("command", "ж\nb")];
     let extras = Extras { entries: &entries, comments: true, ..Extras::default() };
@@ -57,15 +63,20 @@ fn what_is_said_of_an_image_changes_no_pixel() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_is_reported_in_every_format() {
+    use std::{io::Write as _, path::Path};
+    use wavecrest_base::replace::{Sink, write_error};
+    use wavecrest_image::write::write_to;
+
     let mut device = std::fs::File::options().write(true).open("/dev/full").unwrap();
     for format in Format::ALL {
         let mut sink: Sink<'_> = std::io::BufWriter::new(&mut device);
         let film = Film::new(64, 64).unwrap();
         let extras = Extras::default();
-        let text = match encode(&mut sink, &film, format, Transfer::Linear, &extras) {
-            Err(error) => encode_error(Path::new("a"), error).to_string(),
+        let path = Path::new("a");
+        let text = match write_to(&mut sink, path, &film, format, Transfer::Linear, &extras) {
+            Err(error) => error.to_string(),
             // A small file may stay in the buffer until the flush.
-            Ok(()) => write_error(Path::new("a"), sink.flush().unwrap_err()).to_string(),
+            Ok(()) => write_error(path, sink.flush().unwrap_err()).to_string(),
         };
         assert!(text.ends_with("; free some space or write to another disk"), "{text}");
         let _ = sink.into_parts();
