@@ -61,8 +61,7 @@ impl UnfinishedMesh {
         }
         let origin = self.all.origin;
         let pieces = cut(text, piece);
-        let read: Vec<(LineCounts, Result<Contents>)> =
-            parallel::map(pieces.iter(), |text| Contents::read(text, None, origin, None));
+        let read = parallel::map(pieces.iter(), |text| Contents::read(text, None, origin, None));
         let mut starts = Vec::with_capacity(read.len());
         for (count, _) in &read {
             starts.push(self.start);
@@ -75,8 +74,7 @@ impl UnfinishedMesh {
         let again = |(((_, piece), text), start): (((_, Result<Contents>), &&[u8]), LineCounts)| {
             piece.or_else(|_| Contents::read(text, Some(start), origin, None).1)
         };
-        let read: Vec<Result<Contents>> =
-            parallel::map(read.into_iter().zip(&pieces).zip(starts), again);
+        let read = parallel::map(read.into_iter().zip(&pieces).zip(starts), again);
         read.into_iter().try_for_each(|piece| self.all.append(piece?))
     }
 

@@ -142,8 +142,7 @@ fn read_binary(
     let mut triangles: Vec<[Vec3; 3]> = bytemuck::zeroed_vec(count as usize);
     let at_once = (buffer / TRIANGLE).max(1);
     let parts = triangles.chunks_mut(at_once).enumerate();
-    let read: Vec<Result<bool>> =
-        parallel::map(parts, |(part, into)| read_part(file, part * at_once, into));
+    let read = parallel::map(parts, |(part, into)| read_part(file, part * at_once, into));
     // Report the first error in file order, whichever thread found one first.
     let has_attributes = read.into_iter().try_fold(false, |any, part| part.map(|p| any | p))?;
     if head.windows(COLOR.len()).any(|text| text == COLOR) {

@@ -178,9 +178,8 @@ impl<'a> Masks<'a> {
 
     /// Decodes all images, and finds their lowest and highest alpha.
     fn decode(&mut self) -> Result<()> {
-        let masks: Vec<&mut AlphaImage> =
-            self.known.iter_mut().filter_map(|(_, m)| m.as_mut()).collect();
-        let ranges = parallel::map(masks.into_iter(), |mask| {
+        let masks = self.known.iter_mut().filter_map(|(_, m)| m.as_mut());
+        let ranges = parallel::map(masks, |mask| {
             mask.range = range(mask.image.get()?, 0);
             Ok(())
         });

@@ -71,8 +71,8 @@ impl VertexArrays {
         let Some(at_once) = from.rows_at_once(stride, count) else { return Ok(0) };
         let is_big = from.encoding == BodyEncoding::BigEndian;
         let decode = if is_big { decode::<true> } else { decode::<false> };
-        let blocks: Vec<Destination<'_>> = self.blocks(1, at_once).collect();
-        from.blocks(stride, count, blocks.into_iter(), |rows, to| decode(layout, origin, rows, to))
+        let blocks = self.blocks(1, at_once);
+        from.blocks(stride, count, blocks, |rows, to| decode(layout, origin, rows, to))
     }
 
     /// The vertices from number `first` on, in blocks.
