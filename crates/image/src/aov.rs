@@ -76,11 +76,6 @@ impl Layer {
             Self::Invalid => &["invalid.mask"],
         }
     }
-
-    /// Whether its channels hold integers.
-    fn is_integer(self) -> bool {
-        matches!(self, Self::Object | Self::Material | Self::Samples)
-    }
 }
 
 /// A request for layers.
@@ -166,7 +161,7 @@ fn room(layer: Layer, pixels: usize) -> Result<Values> {
         values.resize(count, T::default());
         Ok(values)
     }
-    if layer.is_integer() {
+    if matches!(layer, Layer::Object | Layer::Material | Layer::Samples) {
         zeros(pixels).map(Values::Integers)
     } else {
         zeros(pixels).map(Values::Floats)
