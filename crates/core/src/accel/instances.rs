@@ -10,7 +10,7 @@
 //! replaces that one only if it comes first. Shapes that shadow rays pass are no instances, so that
 //! the order in a prototype is that of the scene.
 
-use super::tlas::Walk;
+use super::tlas::{TlasEntry, Walk};
 use super::{Hit, Query, Rays, Search, Traversal};
 use crate::geometry::Geometry;
 use crate::geometry::instance::Instance;
@@ -31,7 +31,7 @@ pub(super) struct Walks {
     /// The active rays, each with its number in the batch.
     walks: Vec<(u32, Walk)>,
     /// The rays' stacks, in sequence.
-    stacks: Vec<u64>,
+    stacks: Vec<TlasEntry>,
     /// Instances to visit in a round, each with the index of a ray.
     visits: Vec<(u32, u32)>,
     /// The rays of one instance, in the space of its prototype.
@@ -48,7 +48,7 @@ impl<P: Arithmetic> Search<'_, P> {
     ) -> Hit {
         let tlas = &self.accel.tlas;
         let mut stack = std::mem::take(&mut traversal.walks.stacks);
-        stack.resize(stack.len().max(tlas.stack_entries()), 0);
+        stack.resize(stack.len().max(tlas.stack_entries()), TlasEntry::default());
         let mut walk = Walk::new(tlas, ray, best, &mut stack);
         while let Some(number) = walk.next(tlas, &mut stack) {
             traversal.tests.instances += 1;
@@ -97,7 +97,7 @@ impl<P: Arithmetic> Search<'_, P> {
         let tlas = &self.accel.tlas;
         let stride = tlas.stack_entries();
         let entries = memory.stacks.len().max(stride * range.len());
-        memory.stacks.resize(entries, 0);
+        memory.stacks.resize(entries, TlasEntry::default());
         memory.walks.clear();
         let mut stacks = memory.stacks.chunks_exact_mut(stride);
         for number in range {

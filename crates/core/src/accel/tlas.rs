@@ -6,11 +6,11 @@
 
 use glam::Vec3;
 
-use super::{Hit, distance};
+use super::Hit;
 use crate::geometry::instance::Instance;
 use crate::kernels::{Aabb, SlabRay};
+use crate::math::Ray;
 use crate::math::float::{max, min};
-use crate::math::{Ray, entry};
 
 /// Below this depth, halves have equally many instances: a stack needs this and 32 entries.
 const DEEPEST: usize = 64;
@@ -39,6 +39,14 @@ pub(super) struct Tlas {
     /// The factor, relative to other boxes, by which the origins of rays are moved.
     widening: f32,
     depth: usize,
+}
+
+/// An instance that a ray may meet, or a node above one. Not packed as on other stacks, as single floats are compared.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct TlasEntry {
+    /// The earliest t at which the ray enters its box.
+    near: f32,
+    node: u32,
 }
 
 impl Tlas {
@@ -104,8 +112,7 @@ impl Tlas {
     }
 }
 
-/// A ray that walks from instance to instance, and its closest hit so far. The stack is elsewhere: an entry
-/// holds a node and the earliest t at which the ray enters its box.
+/// A ray that walks from instance to instance, and its closest hit so far. The stack is elsewhere.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walk {
     pub(super) ray: Ray,
@@ -117,7 +124,7 @@ pub(super) struct Walk {
 impl Walk {
     /// The ray before its first instance.
     #[inline]
-    pub(super) fn new(tlas: &Tlas, ray: &Ray, best: Hit, stack: &mut [u64]) -> Self {
+    pub(super) fn new(tlas: &Tlas, ray: &Ray, best: Hit, stack: &mut [TlasEntry]) -> Self {
         let slab = SlabRay::widened(ray, tlas.widening);
         let mut walk = Self { ray: *ray, best, slab, height: 0 };
         if !tlas.nodes.is_empty() {
@@ -128,14 +135,14 @@ impl Walk {
 
     /// The next instance that the ray may meet before its closest hit, usually nearer ones first.
     #[inline]
-    pub(super) fn next(&mut self, tlas: &Tlas, stack: &mut [u64]) -> Option<u32> {
+    pub(super) fn next(&mut self, tlas: &Tlas, stack: &mut [TlasEntry]) -> Option<u32> {
         while self.height > 0 {
             self.height -= 1;
-            let next = stack[self.height as usize];
-            if distance(next) > self.slab.reach(self.reach()) {
+            let TlasEntry { near, node } = stack[self.height as usize];
+            if near > self.slab.reach(self.reach()) {
                 continue;
             }
-            let node = tlas.nodes[next as u32 as usize];
+            let node = tlas.nodes[node as usize];
             if node.is_leaf {
                 return Some(node.index);
             }
@@ -143,7 +150,7 @@ impl Walk {
             self.push(tlas, node.index, stack);
             self.push(tlas, node.index + 1, stack);
             let has_both = self.height as usize == before + 2;
-            if has_both && distance(stack[before]) < distance(stack[before + 1]) {
+            if has_both && stack[before].near < stack[before + 1].near {
                 stack.swap(before, before + 1);
             }
         }
@@ -158,11 +165,11 @@ impl Walk {
 
     /// Pushes a node if the ray meets its box.
     #[inline]
-    fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [u64]) {
+    fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [TlasEntry]) {
         let [near, far] = self.slab.interval(&tlas.nodes[node as usize].bounds);
         let near = max(near, self.ray.t_min);
         if near <= min(far, self.slab.reach(self.reach())) {
-            stack[self.height as usize] = entry(near, node);
+            stack[self.height as usize] = TlasEntry { near, node };
             self.height += 1;
         }
     }
