@@ -141,7 +141,7 @@ fn assert_both_are_seen(browser: &mut Browser, page: &image::RgbImage) {
 fn a_page_of_bench_opens_without_complaint_and_asks_no_network() {
     let Some(mut browser) = Browser::start("a page of bench") else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    let scene = include_str!("../../crates/report/src/bench/tests/ball.json");
+    let scene = include_str!("../integration/report/bench/ball.json");
     std::fs::write(folder.path().join("s.json"), scene).expect("a file");
     let options = ["--repeats", "2", "--min-time", "0", "--compare", "kernels", "--page", "p.html"];
     let status = Command::new(env!("CARGO_BIN_EXE_wavecrest"))

@@ -6,10 +6,14 @@
 #![allow(
     clippy::expect_used,
     clippy::panic,
+    clippy::unwrap_used,
     reason = "helpers of tests fail as tests do; clippy knows only the test functions themselves"
 )]
 
-// Loading, rendering and running the command, and transcripts, and seeds, for all the modules below; no tests.
+// Loading, rendering and running the command, and transcripts, seeds and approved texts, for all the modules below; no
+// tests.
+#[path = "../approved.rs"]
+mod approved;
 #[path = "../seeds.rs"]
 mod seeds;
 mod support;
@@ -74,6 +78,9 @@ mod lighting;
 // glTF files and meshes alone: what they become, what is refused, and that they convert to the same image.
 mod gltf;
 
+// Benchmarks and the price list: what is compared, and how it is shown.
+mod report;
+
 // The command: arguments, formats, statistics, exit codes, messages, what is left behind on failure,
 // and every subcommand.
 mod cli;
@@ -83,6 +90,9 @@ mod aov;
 
 // The commands of GUIDE.md work as they stand there.
 mod guide;
+
+// Scene files: what a valid one becomes, and which message each invalid one gets.
+mod scene;
 
 // The JSON Schema of scene files says what the parser does.
 mod schema;

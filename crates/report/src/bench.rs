@@ -57,7 +57,7 @@ mod tests;
 pub mod variant;
 
 pub(crate) use compare::Ratio;
-pub use compare::TimedRender;
-pub use machine::Circumstances;
-pub(crate) use machine::Machine;
+pub use compare::{BenchComparison, PassCost, TimedRender, compare};
+pub use equal::RunDifference;
+pub use machine::{Circumstances, Machine};
 pub use report::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};

@@ -234,6 +234,3 @@ fn cells(cost: &TracerCost) -> Vec<Cell> {
     let a_hit = a_hit.map_or_else(Cell::default, |ns| Cell::decimals(ns, 1));
     vec![ratio, Cell::decimals(cost.seconds_per_mray * 1e3, 1), a_hit]
 }
-
-#[cfg(test)]
-mod tests;

@@ -20,10 +20,12 @@ mod object;
 mod related;
 mod writer;
 
-pub(crate) use cursor::{Cursor, Place, Range, integer_words};
+pub use cursor::Range;
+pub(crate) use cursor::{Cursor, Place, integer_words};
 pub(crate) use declared::{Declared, component, declared};
 pub(crate) use field::{Field, Word, words};
 pub(crate) use json_schema::json_schema;
-pub(crate) use keys::{Absent, Declaration, Key, Kind, Object, Takes, Variants, keys, word};
+pub use keys::{Absent, Declaration, Key, Kind, Takes, Variants};
+pub(crate) use keys::{Object, keys, word};
 pub(crate) use notes::Notes;
 pub(crate) use writer::{Beside, Writer};

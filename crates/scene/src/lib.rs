@@ -28,6 +28,12 @@ pub mod systems;
 mod texture_source;
 pub mod write;
 
+/// The keys of scene files, for tools that describe them; [`json_schema`] says the same to editors.
+pub mod keys {
+    pub use crate::format::{Absent, Declaration, Key, Kind, Range, Takes, Variants};
+    pub use crate::scene_file::file;
+}
+
 /// The crate of the world.
 pub use hecs;
 pub use scene_file::json_schema;

@@ -11,7 +11,7 @@ use crate::camera::{self, CAMERAS};
 use crate::components::{Encoding, JsonPath, Order, Settings, View};
 use crate::environment::{self, Environment};
 use crate::format::{
-    self, Beside, Cursor, Declared, Field, Kind, Notes, Object, Range, Writer, keys,
+    self, Beside, Cursor, Declared, Field, Kind, Notes, Object, Range, Takes, Writer, keys,
 };
 use crate::lights::{LIGHTS, SKY, Sky};
 use crate::options::LoadOptions;
@@ -75,6 +75,11 @@ const SCENE: Kind = Kind::new(
 /// ```
 pub fn json_schema() -> Value {
     format::json_schema(&FILE)
+}
+
+/// What a scene file is: an object, with the keys of all that is in it.
+pub fn file() -> &'static Takes {
+    &Takes::Object(&FILE)
 }
 
 /// Reads a whole file from its top into a world.

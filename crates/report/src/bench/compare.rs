@@ -3,6 +3,8 @@
 //! Nothing is timed before the first round has shown that the images are equal, and a different
 //! image ends the comparison: the speed of a wrong image does not matter.
 
+#![allow(missing_docs, reason = "the tables of crate::bench say it once")]
+
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
@@ -39,7 +41,7 @@ pub struct BenchComparison {
 
 impl BenchComparison {
     /// The last variant of the wavefront.
-    pub(super) fn wavefront(&self) -> Option<&VariantBench> {
+    pub fn wavefront(&self) -> Option<&VariantBench> {
         self.variants.iter().rfind(|v| v.variant.tracer == TracerKind::Wavefront)
     }
 }
@@ -191,7 +193,7 @@ struct KeptRun {
 ///
 /// # Errors
 /// Those of `trace`.
-pub(super) fn compare(
+pub fn compare(
     of: Varied,
     choices: &[ListedVariant],
     schedule: &RoundLimits,

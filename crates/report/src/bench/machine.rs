@@ -1,5 +1,7 @@
 //! The machine of a benchmark, and the commit of its program.
 
+#![allow(missing_docs, reason = "the tables of crate::bench say it once")]
+
 use std::path::Path;
 use std::process::Command;
 

@@ -139,7 +139,7 @@ fn largest(variant: &VariantBench) -> String {
 
 /// The gain of each step, such as "order 1.08, flight 1.31, packets 1.31". Their product is the
 /// ratio of the last variant.
-pub(super) fn gains(variants: &[VariantBench]) -> String {
+pub fn gains(variants: &[VariantBench]) -> String {
     let gains = variants.iter().filter_map(|v| v.gain.as_ref());
     let words: Vec<String> =
         gains.map(|gain| format!("{} {:.2}", gain.of, gain.ratio.interval.median)).collect();

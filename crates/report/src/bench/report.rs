@@ -131,7 +131,7 @@ impl SceneBench {
     }
 
     /// The report on these `comparisons`, the ladder first.
-    pub(super) fn of(
+    pub fn of(
         scene: &PreparedScene,
         setting: BenchSetting,
         comparisons: Vec<BenchComparison>,

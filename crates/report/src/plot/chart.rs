@@ -103,7 +103,7 @@ impl Chart {
     }
 
     /// Whether it has bars.
-    pub(crate) fn has_bars(&self) -> bool {
+    pub fn has_bars(&self) -> bool {
         self.series.iter().any(|series| series.draw == Draw::Bars)
     }
 

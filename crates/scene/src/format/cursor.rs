@@ -17,16 +17,18 @@ const LARGEST: f64 = MAX_COORDINATE as f64;
 
 /// The range of a key's numbers.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) struct Range {
-    pub(crate) low: f64,
-    pub(crate) high: f64,
+pub struct Range {
+    /// The least.
+    pub low: f64,
+    /// The greatest.
+    pub high: f64,
     /// Whether `low` itself is excluded.
-    pub(crate) open: bool,
+    pub open: bool,
 }
 
 impl Range {
     /// Any number: a coordinate.
-    pub(crate) const COORDINATE: Self = Self::new(-LARGEST, LARGEST);
+    pub const COORDINATE: Self = Self::new(-LARGEST, LARGEST);
     /// 0 or more: a weight, a colour.
     pub(crate) const NOT_NEGATIVE: Self = Self::at_least(0.0);
     /// A share.
@@ -50,7 +52,7 @@ impl Range {
     }
 
     /// The range in words.
-    pub(crate) fn words(self) -> String {
+    pub fn words(self) -> String {
         let Self { low, high, open } = self;
         let [low, high] = [low, high].map(|bound| match bound {
             LARGEST => "2^40".to_owned(),

@@ -39,8 +39,9 @@ pub(crate) use keys;
 
 /// A [`Declared`](super::Declared) component as a value.
 #[derive(Clone, Copy)]
-pub(crate) struct Declaration {
-    pub(crate) keys: &'static [Key],
+pub struct Declaration {
+    /// Its keys.
+    pub keys: &'static [Key],
     /// Adds the component of an object to its entity.
     pub(crate) read: fn(&Object<'_>, &mut EntityBuilder) -> Result<()>,
     /// Writes the component of an entity, if it has one.
@@ -63,16 +64,17 @@ pub(crate) struct Object<'a> {
 
 /// A kind of object.
 #[derive(Clone, Copy)]
-pub(crate) struct Kind {
+pub struct Kind {
     /// Its name in messages: "a sphere".
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Its description, for editors.
-    pub(crate) about: &'static str,
+    pub about: &'static str,
     /// The value of its key `type`; empty if it has no such key.
-    pub(crate) word: &'static str,
+    pub word: &'static str,
     /// The key whose presence tells it from later kinds with the same word; empty if none does.
     pub(crate) discriminator: &'static str,
-    pub(crate) keys: &'static [Key],
+    /// Its keys, but for those of its components.
+    pub keys: &'static [Key],
     /// The name of a key that objects of this kind do without; empty if there is none.
     pub(crate) without: &'static str,
     /// The components that its other keys become. The first tells that an entity is of this kind.
@@ -102,16 +104,17 @@ impl Kind {
     }
 
     /// Its components.
-    pub(crate) fn declarations(&self) -> impl Iterator<Item = &'static Declaration> + use<> {
+    pub fn declarations(&self) -> impl Iterator<Item = &'static Declaration> + use<> {
         self.components.iter().chain(self.more.iter().copied().flatten())
     }
 
     /// The key with this name, or this other name.
-    pub(crate) fn key(&self, name: &str) -> Option<Key> {
+    pub fn key(&self, name: &str) -> Option<Key> {
         self.all_keys().find(|key| key.name == name || key.synonyms.contains(&name))
     }
 
-    pub(crate) fn all_keys(&self) -> impl Iterator<Item = Key> + use<> {
+    /// Its keys and those of its components. Those that are allowed but not read take [`Takes::Anything`].
+    pub fn all_keys(&self) -> impl Iterator<Item = Key> + use<> {
         let typed: &[Key] = if self.word.is_empty() { &[] } else { TYPE };
         let keys = typed.iter().chain(self.keys);
         let keys = keys.chain(self.declarations().flat_map(|component| component.keys));
@@ -130,12 +133,13 @@ pub(super) const TYPE: &[Key] = keys! {
 
 /// Kinds of objects that their key `type` tells apart.
 #[derive(Clone, Copy)]
-pub(crate) struct Variants {
+pub struct Variants {
     /// What they are: "a light".
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// The same for editors.
-    pub(crate) about: &'static str,
-    pub(crate) kinds: &'static [Kind],
+    pub about: &'static str,
+    /// The kinds.
+    pub kinds: &'static [Kind],
 }
 
 impl Variants {
@@ -147,18 +151,21 @@ impl Variants {
     }
 }
 
+/// A key of an object.
 #[derive(Clone, Copy)]
-pub(crate) struct Key {
-    pub(crate) name: &'static str,
+pub struct Key {
+    /// Its name.
+    pub name: &'static str,
     /// Other names for it.
-    pub(crate) synonyms: &'static [&'static str],
-    pub(crate) takes: Takes,
+    pub synonyms: &'static [&'static str],
+    /// Its values.
+    pub takes: Takes,
     /// The default.
-    pub(crate) absent: Absent,
+    pub absent: Absent,
     /// Other keys: without any of them it has no effect.
-    pub(crate) needs: &'static [&'static str],
+    pub needs: &'static [&'static str],
     /// Its description, for editors.
-    pub(crate) about: &'static str,
+    pub about: &'static str,
 }
 
 impl Key {
@@ -179,18 +186,24 @@ impl Key {
 
 /// The values of a key.
 #[derive(Clone, Copy)]
-pub(crate) enum Takes {
+pub enum Takes {
+    /// Any value.
     Anything,
+    /// A text.
     Text,
+    /// True or false.
     Truth,
+    /// A number in a range.
     Number(Range),
     /// An integer from the first to the second.
     Integer(u32, u32),
     /// One of a few numbers.
     OneOf(&'static [i32]),
+    /// Three numbers.
     Point,
     /// A point other than 0, such as this.
     Direction(&'static str),
+    /// Three numbers that are not negative.
     Color,
     /// One of a few words.
     Choice(fn() -> Vec<&'static str>),
@@ -225,7 +238,7 @@ impl Takes {
 
 /// The default of a key.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Absent {
+pub enum Absent {
     /// It depends on other keys, or there is none.
     Open,
     /// The key is required.

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{all_paths, complete, load, load_options, pointer, set, without};
-use crate::load::LoadOptions;
+use wavecrest_scene::load::LoadOptions;
 
 /// Where more than one type of value is right.
 fn takes_several_types(path: &str) -> bool {

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 use tempfile::TempDir;
 
-use super::{approved, complete, set};
-use crate::load::{LoadOptions, load, load_str};
+use super::{complete, set};
+use crate::approved;
 use wavecrest_base::error::ErrorKind;
+use wavecrest_scene::load::{LoadOptions, load, load_str};
 
 /// How the file at `path` is refused: the kind, and the text without the path before it.
 fn refused(path: &Path) -> (ErrorKind, String) {
@@ -26,7 +27,7 @@ fn in_folder(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
 
 #[test]
 fn text_that_is_no_scene() {
-    approved::compare("src/tests/texts.txt", |text| {
+    approved::compare("tests/integration/scene/texts.txt", |text| {
         let loaded = load_str(text, Path::new("s.json"), &LoadOptions::default());
         loaded.err().unwrap().to_string()
     });

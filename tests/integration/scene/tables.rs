@@ -6,10 +6,9 @@
 use std::collections::{BTreeSet, HashSet};
 use std::fs;
 
-use crate::format::{Absent, Key, Kind, Range, Takes};
-use crate::scene_file::FILE;
+use wavecrest_scene::keys::{Absent, Key, Kind, Range, Takes, file};
 
-const DOCUMENT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../SCENES.md");
+const DOCUMENT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/SCENES.md");
 
 /// A kind of object, with the name of the kinds that it is one of, and its own.
 type Named = ([&'static str; 2], &'static Kind);
@@ -143,7 +142,7 @@ fn the_tables_of_scenes_md_are_those_of_the_declarations() {
     const MARK: &str = "<!-- keys: ";
     let document = fs::read_to_string(DOCUMENT).unwrap();
     let mut all = Vec::new();
-    kinds(&Takes::Object(&FILE), &mut all);
+    kinds(file(), &mut all);
     let mut parts = document.split(MARK);
     let start = parts.next().unwrap();
     let parts: Vec<_> = parts

@@ -3,7 +3,8 @@
 use wavecrest_core::film::Film;
 use wavecrest_image::write::{Transfer, write};
 
-use super::super::compare::PassCost;
+use wavecrest_report::bench::PassCost;
+
 use super::*;
 
 /// Two mirrors with two maps each, of two classes, that see each other beside the ball.

@@ -1,7 +1,16 @@
-use super::*;
+//! The price list: what ends it, and what it prices.
+
+use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
-use wavecrest_core::render::RenderOptions;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, TracerKind};
+use wavecrest_report::bench::TimedRender;
+use wavecrest_report::effects::scenes::{self, SceneVariant};
+use wavecrest_report::effects::{EffectScene, EffectSetting, PriceList, measure, text};
+use wavecrest_report::measure::RoundLimits;
 
 /// The list's scenes, some pixels large.
 fn entries() -> Vec<EffectScene> {

@@ -5,9 +5,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Debug;
 
-use super::{all_paths, approved, complete, load, load_options, remove, set};
-use crate::components::*;
-use crate::load::{LoadOptions, LoadedScene};
+use super::{all_paths, complete, load, load_options, remove, set};
+use crate::approved;
+use wavecrest_scene::components::*;
+use wavecrest_scene::load::{LoadOptions, LoadedScene};
 
 /// A component by the place of its entity and by its name.
 type Parts = BTreeMap<(String, &'static str), String>;
@@ -81,7 +82,7 @@ fn consequences(changes: &str, before: &Parts) -> String {
 #[test]
 fn what_follows_from_each_change() {
     let (nothing, complete) = (Parts::new(), parts(&load(&complete()).unwrap()));
-    approved::compare("src/tests/changes.txt", |changes| {
+    approved::compare("tests/integration/scene/changes.txt", |changes| {
         consequences(changes, if changes == "as it is" { &nothing } else { &complete })
     });
 }
@@ -91,7 +92,8 @@ fn what_follows_from_each_change() {
 fn what_follows_from_each_key_left_out() {
     let before = parts(&load(&complete()).unwrap());
     let keys = all_paths().into_iter().filter(|path| !path.ends_with(']'));
-    let tried =
-        approved::compare("src/tests/left_out.txt", |changes| consequences(changes, &before));
+    let tried = approved::compare("tests/integration/scene/left_out.txt", |changes| {
+        consequences(changes, &before)
+    });
     assert_eq!(tried, keys.map(|path| format!("- {path}")).collect::<Vec<_>>());
 }

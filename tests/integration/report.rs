@@ -1,0 +1,4 @@
+//! Tests of reports: what is measured, compared and shown.
+
+mod bench;
+mod effects;
