@@ -78,7 +78,7 @@ mod lighting;
 // glTF files and meshes alone: what they become, what is refused, and that they convert to the same image.
 mod gltf;
 
-// Benchmarks and the price list: what is compared, and how it is shown.
+// Benchmarks, the price list, charts and pages: what is compared, and how it is shown.
 mod report;
 
 // The command: arguments, formats, statistics, exit codes, messages, what is left behind on failure,

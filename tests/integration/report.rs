@@ -2,3 +2,6 @@
 
 mod bench;
 mod effects;
+mod page;
+mod plot;
+mod store;

@@ -6,8 +6,6 @@
 //! can be sorted, and light or dark can be chosen independently of the system.
 
 mod blocks;
-#[cfg(test)]
-mod tests;
 
 use std::path::Path;
 

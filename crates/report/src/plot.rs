@@ -13,8 +13,6 @@ mod font;
 mod marks;
 pub mod number;
 pub(crate) mod svg;
-#[cfg(test)]
-mod tests;
 
 use number::{figure, time_unit};
 

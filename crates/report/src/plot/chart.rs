@@ -78,7 +78,7 @@ impl Chart {
     }
 
     /// A note on the number of points that are not drawn.
-    pub(crate) fn note(&self) -> Option<String> {
+    pub fn note(&self) -> Option<String> {
         let field = self.field();
         let points = self.series.iter().flat_map(|series| &series.points);
         let missing = points.filter(|point| field.at(point.x, point.y).is_none()).count();

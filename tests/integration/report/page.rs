@@ -1,7 +1,7 @@
 //! What a page holds, with and without JavaScript, and that it asks for nothing from outside.
 
-use super::*;
-use crate::plot::{ChartAxis, Point, Scale, Series};
+use wavecrest_report::page::{Block, Cell, Column, Page, Picture, Section, Table};
+use wavecrest_report::plot::{Chart, ChartAxis, Point, Scale, Series};
 
 fn picture(words: &str) -> Picture {
     Picture { png: vec![1, 2, 3], alt: words.to_owned(), caption: words.to_owned() }

@@ -1,6 +1,6 @@
 //! What charts show and keep, whatever their figures.
 
-use super::*;
+use wavecrest_report::plot::{Chart, ChartAxis, Draw, Guide, Point, Scale, Series, number};
 
 /// Two series with intervals, on two logarithmic axes.
 fn chart() -> Chart {
@@ -34,7 +34,7 @@ fn bars() -> Chart {
 }
 
 /// The values of an attribute, in the order of the text.
-pub(super) fn attributes<'a>(text: &'a str, name: &str) -> Vec<&'a str> {
+fn attributes<'a>(text: &'a str, name: &str) -> Vec<&'a str> {
     let start = format!(" {name}=\"");
     text.split(&start).skip(1).filter_map(|rest| rest.split('"').next()).collect()
 }
@@ -46,7 +46,7 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 /// The titles of all marks.
-pub(super) fn titles(svg: &str) -> Vec<&str> {
+fn titles(svg: &str) -> Vec<&str> {
     let marks = svg.split("<g class=\"mark\"").skip(1);
     marks.filter_map(|mark| mark.split("<title>").nth(1)?.split("</title>").next()).collect()
 }
