@@ -12,6 +12,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::schema::places;
+use crate::support::edited;
 use wavecrest_base::error::Result;
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load_str};
 
@@ -27,22 +29,13 @@ fn pointer(path: &str) -> String {
 }
 
 /// The scene with the value at `path` set, which need not be there yet.
-fn set(mut scene: Value, path: &str, value: Value) -> Value {
-    let pointer = pointer(path);
-    let (parent, key) = pointer.rsplit_once('/').unwrap();
-    match scene.pointer_mut(parent).unwrap() {
-        Value::Array(items) => items[key.parse::<usize>().unwrap()] = value,
-        object => object[key] = value,
-    }
-    scene
+fn set(scene: Value, path: &str, value: Value) -> Value {
+    edited(scene, &format!("{} {value}", pointer(path)))
 }
 
 /// The scene without the value at `path`.
-fn remove(mut scene: Value, path: &str) -> Value {
-    let pointer = pointer(path);
-    let (parent, key) = pointer.rsplit_once('/').unwrap();
-    scene.pointer_mut(parent).unwrap().as_object_mut().unwrap().remove(key).unwrap();
-    scene
+fn remove(scene: Value, path: &str) -> Value {
+    edited(scene, &pointer(path))
 }
 
 fn without(path: &str) -> Value {
@@ -57,26 +50,16 @@ fn load(scene: &Value) -> Result<LoadedScene> {
     load_options(scene, LoadOptions::default())
 }
 
-/// The paths of all values in `value`, itself included.
-fn paths(value: &Value, path: &str, all: &mut Vec<String>) {
-    if !path.is_empty() {
-        all.push(path.to_owned());
-    }
-    match value {
-        Value::Object(map) => {
-            let dot = if path.is_empty() { "" } else { "." };
-            map.iter().for_each(|(key, value)| paths(value, &format!("{path}{dot}{key}"), all));
-        }
-        Value::Array(items) => {
-            let items = items.iter().enumerate();
-            items.for_each(|(i, value)| paths(value, &format!("{path}[{i}]"), all));
-        }
-        _ => {}
-    }
-}
-
+/// The paths of all values.
 fn all_paths() -> Vec<String> {
     let mut all = Vec::new();
-    paths(&complete(), "", &mut all);
-    all
+    places(&complete(), "", &mut all);
+    let path = |place: String| {
+        place.split('/').skip(1).fold(String::new(), |path, part| match part.parse::<u32>() {
+            Ok(number) => format!("{path}[{number}]"),
+            Err(_) if path.is_empty() => part.to_owned(),
+            Err(_) => format!("{path}.{part}"),
+        })
+    };
+    all.into_iter().map(path).collect()
 }

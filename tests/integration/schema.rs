@@ -102,7 +102,7 @@ fn with_pinhole() -> Value {
 }
 
 /// The places of the values below `value`, as JSON pointers.
-fn places(value: &Value, at: &str, all: &mut Vec<String>) {
+pub(crate) fn places(value: &Value, at: &str, all: &mut Vec<String>) {
     let mut below = |key: &str, value: &Value| {
         let place = format!("{at}/{key}");
         all.push(place.clone());

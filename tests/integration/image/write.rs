@@ -7,7 +7,7 @@ use wavecrest_image::write::{Format, Transfer, check_writable, row_to_bytes, wri
 
 use crate::support::folder;
 
-fn film() -> Film {
+pub(super) fn film() -> Film {
     let pixel = |i: u32| [i as f32 / 37.0, 1.5 - i as f32 / 10.0, f32::from_bits(i << 20)];
     Film::from_pixels(7, 5, (0..35).map(pixel).collect()).expect("a film")
 }

@@ -18,11 +18,13 @@ fn timing(seconds: f64, processors: f64) -> Timing {
     Timing { seconds, processor: Some(seconds * processors) }
 }
 
+type Measured = (TimedRuns<Turn>, Rounds);
+
 /// The variants in the order in which they ran, and what was measured: of each run its turn.
 fn run(
     schedule: RoundLimits,
     timing: impl Fn(Turn) -> Timing,
-) -> (String, (TimedRuns<Turn>, Rounds), Vec<(u64, u64)>) {
+) -> (String, Measured, Vec<(u64, u64)>) {
     let (mut log, mut reported) = (String::new(), Vec::new());
     let one = |variant: usize| {
         let turn = Turn { variant, round: log.len() / 2 };
@@ -34,7 +36,7 @@ fn run(
     (log, measured, reported)
 }
 
-fn rounds_kept(measured: &(TimedRuns<Turn>, Rounds)) -> Vec<usize> {
+fn rounds_kept(measured: &Measured) -> Vec<usize> {
     measured.0[0].iter().map(|(_, turn)| turn.round).collect()
 }
 

@@ -51,7 +51,7 @@ struct Body {
 /// What the rows of an element are.
 enum RowKind {
     /// With their layout in a binary file, and in doubles.
-    Vertices { layout: VertexLayout, in_doubles: VertexLayout },
+    Vertices(Box<[VertexLayout; 2]>),
     /// Faces, or strips of triangles.
     Lists(ListLayout),
     /// Unused ones.
@@ -63,7 +63,8 @@ impl RowKind {
         Ok(match element.name.as_str() {
             "vertex" => {
                 let layout = VertexLayout::of(element)?;
-                Self::Vertices { in_doubles: layout.in_doubles(), layout }
+                let in_doubles = layout.in_doubles();
+                Self::Vertices(Box::new([layout, in_doubles]))
             }
             "face" | "tristrips" if element.count > 0 => Self::Lists(ListLayout::of(element)?),
             _ => Self::Other,
@@ -73,8 +74,8 @@ impl RowKind {
     /// The used properties.
     fn used(&self) -> Vec<usize> {
         match self {
-            Self::Vertices { layout, .. } => {
-                layout.sources.iter().flatten().map(|source| source.property).collect()
+            Self::Vertices(layouts) => {
+                layouts[0].sources.iter().flatten().map(|source| source.property).collect()
             }
             &Self::Lists(ListLayout { property, uvs, texture, .. }) => {
                 [Some(property), uvs, texture].into_iter().flatten().collect()
@@ -91,8 +92,8 @@ impl Body {
             return Ok(());
         }
         check_room(element, numbers)?;
-        if let RowKind::Vertices { layout, .. } = &kind {
-            self.vertices = VertexArrays::new(self.vertex_count, layout);
+        if let RowKind::Vertices(layouts) = &kind {
+            self.vertices = VertexArrays::new(self.vertex_count, &layouts[0]);
         }
         let used = kind.used();
         self.row.used = (0..element.properties.len()).map(|i| used.contains(&i)).collect();
@@ -112,9 +113,7 @@ impl Body {
     fn rows(&mut self, kind: &RowKind, index: u64, numbers: &mut Numbers<'_>) -> Result<u64> {
         let many = match kind {
             // The first vertex gives the origin.
-            RowKind::Vertices { layout, .. } if index == 1 => {
-                self.vertices.read(layout, numbers)?
-            }
+            RowKind::Vertices(layouts) if index == 1 => self.vertices.read(&layouts[0], numbers)?,
             RowKind::Lists(layout) if index == 0 => {
                 self.faces.read(*layout, self.vertex_count, numbers)?
             }
@@ -128,8 +127,8 @@ impl Body {
         let is_longer = numbers.end_row(matches!(kind, RowKind::Lists(_)))?;
         self.longer_faces += u64::from(is_longer);
         match kind {
-            RowKind::Vertices { in_doubles, .. } => {
-                self.vertices.set(index as usize, in_doubles, &self.row.numbers)?;
+            RowKind::Vertices(layouts) => {
+                self.vertices.set(index as usize, &layouts[1], &self.row.numbers)?;
             }
             RowKind::Lists(layout) => self.faces.push(&self.row, *layout, self.vertex_count)?,
             RowKind::Other => {}
