@@ -242,8 +242,8 @@ impl Accel {
 
     /// Builds the chunks that no ray has reached so far.
     pub fn build_rest(&self) {
-        let own = self.tree.iter().map(|tree| (tree, &self.geometry));
-        for (tree, geometry) in own.chain(self.blas.iter().zip(&self.geometry.prototypes)) {
+        let geometries = std::iter::once(&self.geometry).chain(&self.geometry.prototypes);
+        for (tree, geometry) in self.trees().zip(geometries) {
             let searched = Searched { tree, geometry, without_t: false };
             tree.walk(|place, _| _ = searched.chunk(place));
         }

@@ -136,13 +136,13 @@ impl Tree {
     /// primitives. A chunk that is not built is a leaf without any: see [`super::Accel::build_rest`].
     pub fn for_each_leaf(&self, mut visit: impl FnMut(&Aabb, Vec<u32>)) {
         let arena = self.arena.view();
-        self.walk(|place, bounds| match place.kind() {
-            Kind::Node => {}
-            Kind::List => visit(bounds, arena.list(place).to_vec()),
-            _ => {
-                let entries = 0..arena.head(place).count as usize;
-                visit(bounds, entries.map(|entry| arena.number_of(place, entry)).collect());
-            }
+        self.walk(|place, bounds| {
+            let count = match place.kind() {
+                Kind::Node => return,
+                Kind::List => arena.list(place).len(),
+                _ => arena.head(place).count as usize,
+            };
+            visit(bounds, (0..count).map(|entry| arena.number_of(place, entry)).collect());
         });
     }
 

@@ -113,8 +113,14 @@ fn stream(
     loop {
         let records = at_once.min(count - first);
         next.resize(records as usize * record_bytes, 0);
-        let (written, ()) =
-            rayon::join(|| file.write_all(&full), || fill(&mut next, first, record_bytes, &make));
+        let chunks = next.chunks_mut(RECORDS_PER_TASK * record_bytes).enumerate();
+        let fill = |(task, chunk): (usize, &mut [u8])| {
+            let start = first + (task * RECORDS_PER_TASK) as u64;
+            for (number, record) in (start..).zip(chunk.chunks_exact_mut(record_bytes)) {
+                make(number, record);
+            }
+        };
+        let (written, ()) = rayon::join(|| file.write_all(&full), || parallel::each(chunks, fill));
         written?;
         advance(full.len());
         std::mem::swap(&mut full, &mut next);
@@ -123,20 +129,4 @@ fn stream(
         }
         first += records;
     }
-}
-
-/// Fills `buffer` with the records from number `first` on, in parallel.
-fn fill(
-    buffer: &mut [u8],
-    first: u64,
-    record_bytes: usize,
-    make: &(impl Fn(u64, &mut [u8]) + Sync),
-) {
-    let chunks = buffer.chunks_mut(RECORDS_PER_TASK * record_bytes);
-    parallel::each(chunks.enumerate(), |(task, chunk)| {
-        let start = first + (task * RECORDS_PER_TASK) as u64;
-        for (number, record) in (start..).zip(chunk.chunks_exact_mut(record_bytes)) {
-            make(number, record);
-        }
-    });
 }
