@@ -38,10 +38,6 @@ fn remove(scene: Value, path: &str) -> Value {
     edited(scene, &pointer(path))
 }
 
-fn without(path: &str) -> Value {
-    remove(complete(), path)
-}
-
 fn load_options(scene: &Value, options: LoadOptions) -> Result<LoadedScene> {
     load_str(&scene.to_string(), Path::new("s.json"), &options)
 }
