@@ -13,6 +13,7 @@ mod source;
 
 use std::marker::PhantomData;
 
+use bytemuck::Zeroable;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
@@ -38,7 +39,7 @@ pub(super) struct Slot {
 }
 
 /// Stack entries of the children of a node.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(align(64))]
 struct ChildEntries([u64; LANES]);
 
@@ -55,6 +56,20 @@ pub(super) struct Flight {
     stacks: Vec<u64>,
     /// Entries of one stack.
     stride: usize,
+    /// What a round writes before it is read, one; kept between calls, as few rays would not pay for clearing it.
+    rounds: Vec<RoundMemory>,
+}
+
+/// The memory of a round.
+#[derive(Clone, Copy, Debug, Zeroable)]
+struct RoundMemory {
+    next: NextSteps,
+    /// The end of each stack.
+    tops: [usize; FLIGHT],
+    /// For each step to a node its children, and a bit for each that is met.
+    met: ([ChildEntries; FLIGHT], [u8; FLIGHT]),
+    /// For each step to a patch what is found there.
+    found: [LaneHits; FLIGHT],
 }
 
 impl Flight {
@@ -64,7 +79,8 @@ impl Flight {
         let stride = entries + 1 + MOST_HANDED as usize;
         let ray = PreparedRay::new(&Ray::new(Vec3::ZERO, Vec3::X));
         let empty = Slot { ray, best: Best::none(0.0), number: 0 };
-        Self { slots: vec![empty; FLIGHT], stacks: vec![0; stride * FLIGHT], stride }
+        let (stacks, rounds) = (vec![0; stride * FLIGHT], vec![RoundMemory::zeroed()]);
+        Self { slots: vec![empty; FLIGHT], stacks, stride, rounds }
     }
 }
 
@@ -78,9 +94,10 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     flight: &mut Flight,
     (tests, kernel, noted): (&mut TestCounts, &mut KernelCounts, &mut NotedLeaves),
 ) {
-    let Flight { slots, stacks, stride } = flight;
-    let Some(slots) = slots.first_chunk_mut() else { return };
-    let mut next = NextSteps::NONE;
+    let Flight { slots, stacks, stride, rounds } = flight;
+    let (Some(slots), Some(round)) = (slots.first_chunk_mut(), rounds.first_mut()) else { return };
+    // There are no steps left from the call before.
+    let RoundMemory { next, tops, met, found } = round;
     // Only references and no array, so that everything stays in registers.
     let mut rounds = FlightRounds::<Q, P> {
         searched,
@@ -89,15 +106,13 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         answers,
         slots,
         stacks,
-        tops: &mut [0; FLIGHT],
+        tops,
         stride: *stride,
         tests,
         noted,
-        next: &mut next,
+        next,
         precision: PhantomData,
     };
-    let mut met = ([ChildEntries::default(); FLIGHT], [0; FLIGHT]);
-    let mut found = [LaneHits::default(); FLIGHT];
     for slot in 0..FLIGHT {
         if !rounds.begin(slot) {
             break;
@@ -106,8 +121,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     // The inner loops are short, so that the processor overlaps many rays.
     while rounds.next.count() > 0 {
         kernel.rays_a_round.add(rounds.next.count() as u64, 1);
-        rounds.visit_nodes(simd, &mut met);
-        rounds.visit_patches(simd, &mut found);
+        rounds.visit_nodes(simd, met);
+        rounds.visit_patches(simd, found);
         rounds.visit_others(simd, Kind::Soup);
         rounds.visit_others(simd, Kind::List);
     }

@@ -1,5 +1,7 @@
 //! The next steps of rays in flight.
 
+use bytemuck::Zeroable;
+
 use super::FLIGHT;
 use crate::accel::{ArenaView, Kind, Ref};
 
@@ -7,7 +9,7 @@ use crate::accel::{ArenaView, Kind, Ref};
 const ENOUGH_STEPS: usize = 16;
 
 /// A ray in flight, by its slot, and its next place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 pub(super) struct StreamStep(u64);
 
 impl StreamStep {
@@ -28,16 +30,13 @@ impl StreamStep {
 }
 
 /// The next steps of all rays in flight, by kind of place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 pub(super) struct NextSteps {
     steps: [[StreamStep; FLIGHT]; 4],
     counts: [usize; 4],
 }
 
 impl NextSteps {
-    /// No steps.
-    pub(super) const NONE: Self = Self { steps: [[StreamStep(0); FLIGHT]; 4], counts: [0; 4] };
-
     /// The number of rays in flight.
     pub(super) fn count(&self) -> usize {
         self.counts.iter().sum()

@@ -33,7 +33,7 @@ use crate::math::float::{UNIT_ROUNDOFF, max};
 use crate::math::{Lanes, Line, Mask, Ray, Real, Single, Vector};
 
 /// The triangles of a leaf that a ray meets, or may meet.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, bytemuck::Zeroable)]
 pub struct LaneHits {
     /// Bounds on t of the triangles in `certain`.
     pub low: [f32; 8],
