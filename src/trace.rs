@@ -211,12 +211,12 @@ fn pass<A: Send>(
         (kept.tests, kept.kernels) = Default::default();
         kept
     };
-    *traversals =
-        with_state(blocks, begin, |traversal, (answers, rays)| query(rays, answers, traversal));
-    traversals.iter().fold(Counters::default(), |mut all, &Traversal { tests, kernels, .. }| {
-        all += Counters { tests, kernels, ..Counters::default() };
-        all
-    })
+    *traversals = with_state(blocks, begin, |own, (answers, rays)| query(rays, answers, own));
+    let mut work = Counters::default();
+    for &Traversal { tests, kernels, .. } in &*traversals {
+        work += Counters { tests, kernels, ..Counters::default() };
+    }
+    work
 }
 
 /// Two t agree if they differ by less than this factor of t: those of the file may be off by what

@@ -147,15 +147,10 @@ fn count(scene: &PreparedScene, options: &RenderOptions, side: u32) -> (Counters
     let paths: Vec<Unit> = (0..).zip(pixels).map(path).collect();
     // Single paths are what this tracer is for; it counts the same.
     let options = RenderOptions { tracer: TracerKind::Recursive, ..*options };
-    let tracers = parallel::with_state(
-        paths.chunks(side as usize),
-        || work::tracer(scene, &options),
-        |tracer, paths| {
-            for path in paths {
-                tracer.render(scene, path, &mut [[0.0; 3]], &|| false);
-            }
-        },
-    );
+    let tracer = || work::tracer(scene, &options);
+    let tracers = parallel::with_state(paths.iter(), tracer, |tracer, path| {
+        tracer.render(scene, path, &mut [[0.0; 3]], &|| false);
+    });
     let mut counters = Counters::default();
     tracers.iter().for_each(|tracer| counters += tracer.counters());
     (counters, start.elapsed().as_secs_f64())

@@ -96,8 +96,7 @@ impl<P: Arithmetic> Search<'_, P> {
     ) {
         let tlas = &self.accel.tlas;
         let stride = tlas.stack_entries();
-        let entries = memory.stacks.len().max(stride * range.len());
-        memory.stacks.resize(entries, TlasEntry::default());
+        memory.stacks.resize(memory.stacks.len().max(stride * range.len()), TlasEntry::default());
         memory.walks.clear();
         let mut stacks = memory.stacks.chunks_exact_mut(stride);
         for number in range {

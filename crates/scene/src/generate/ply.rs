@@ -120,8 +120,7 @@ fn stream(
                 make(number, record);
             }
         };
-        let (written, ()) = rayon::join(|| file.write_all(&full), || parallel::each(chunks, fill));
-        written?;
+        rayon::join(|| file.write_all(&full), || parallel::each(chunks, fill)).0?;
         advance(full.len());
         std::mem::swap(&mut full, &mut next);
         if records == 0 {

@@ -48,9 +48,8 @@ impl Part {
             }
         };
         let of = |instance: &MeshInstance<'_>| {
-            let triangles = instance.triangles;
-            let of = |i: usize| one(instance.corners(triangles[i]));
-            parallel::reduce(triangles.len(), Self::NONE, of, Self::with)
+            let of = |i: usize| one(instance.corners(instance.triangles[i]));
+            parallel::reduce(instance.triangles.len(), Self::NONE, of, Self::with)
         };
         contents.all.iter().map(of).fold(Self::NONE, Self::with)
     }
