@@ -1,5 +1,7 @@
 //! Queries of shapes, and what is known of the surface at a hit.
 
+use std::convert::Infallible;
+
 use numpy::{Element, PyArrayMethods};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -56,11 +58,11 @@ impl Shapes {
     /// Whether points are inside, by parity or if they are `wound`.
     fn contains<'py>(&self, py: Python<'py>, rays: RayArrays<'py>, wound: bool) -> Bools<'py> {
         let given = rays.rays(self)?;
-        given.answers(py, |Worker { traversal, rays, hits }, answers| {
-            for (ray, answer) in rays.iter().zip(answers) {
-                self.accel.crossings(ray, traversal, hits);
-                *answer = given.is_inside(ray, hits, wound);
-            }
+        given.answers(py, |worker, answers| {
+            let Ok(()) = worker.cross(&self.accel, |index, ray, hits| {
+                answers[index] = given.is_inside(ray, hits, wound);
+                Ok::<_, Infallible>(())
+            });
         })
     }
 

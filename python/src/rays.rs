@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use wavecrest_api::glam::DVec3;
 use wavecrest_api::memory::reserve;
 use wavecrest_api::parallel;
-use wavecrest_api::{self as api, Hit, NO_PRIMITIVE, Ray, Traversal};
+use wavecrest_api::{self as api, Accel, Crossings, Hit, NO_PRIMITIVE, Ray, Traversal};
 
 use super::arrays::{Column, Rows, column};
 use super::base::{exception, in_stretches};
@@ -68,6 +68,27 @@ pub(crate) struct Worker {
     pub(crate) traversal: Traversal,
     pub(crate) rays: Vec<Ray>,
     pub(crate) hits: Vec<Hit>,
+    crossings: Crossings,
+}
+
+impl Worker {
+    /// Calls `each` with the index of each ray, the ray and what it crosses, until that fails.
+    pub(crate) fn cross<E>(
+        &mut self,
+        accel: &Accel,
+        mut each: impl FnMut(usize, &Ray, &[Hit]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let Self { traversal, rays, crossings, .. } = self;
+        let mut next = 0;
+        while next < rays.len() {
+            accel.crossings_of(&rays[next..], traversal, crossings);
+            for hits in crossings.of_rays() {
+                each(next, &rays[next], hits)?;
+                next += 1;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The power of two that scales a vector to a length of about 1; of subnormal ones, to 2^-51 at least.
@@ -151,7 +172,8 @@ impl Rays<'_> {
         let starts = part.clone().step_by(size);
         let worker = || {
             let traversal = self.shapes.accel.traversal();
-            Worker { traversal, rays: Vec::new(), hits: Vec::new() }
+            let crossings = Crossings::default();
+            Worker { traversal, rays: Vec::new(), hits: Vec::new(), crossings }
         };
         parallel::with_state(starts.zip(blocks), worker, |worker, (start, block)| {
             let rays = start..part.end.min(start + size);
@@ -168,7 +190,8 @@ impl Rays<'_> {
         blocks: impl Iterator<Item = B> + Send,
         store: impl Fn(RayHit, T) + Sync,
     ) {
-        self.trace(part, blocks, |Worker { traversal, rays, hits }, numbers, into| {
+        self.trace(part, blocks, |worker, numbers, into| {
+            let Worker { traversal, rays, hits, .. } = worker;
             traversal.without_t = !self.is_single;
             hits.resize(rays.len(), Hit::MISS);
             self.shapes.accel.closest_of(&rays[..], hits, traversal);
@@ -258,12 +281,11 @@ impl Rays<'_> {
         &self,
         numbers: Range<usize>,
         most: usize,
-        Worker { traversal, rays, hits }: &mut Worker,
+        worker: &mut Worker,
     ) -> PyResult<Vec<RayHit>> {
         let mut crossed: Vec<RayHit> = Vec::new();
-        for (number, ray) in numbers.zip(&*rays) {
-            self.shapes.accel.crossings(ray, traversal, hits);
-            hits.truncate(most);
+        worker.cross(&self.shapes.accel, |index, _, hits| {
+            let (number, hits) = (numbers.start + index, &hits[..hits.len().min(most)]);
             let needed = crossed.len() + hits.len();
             if crossed.capacity() < needed {
                 let larger = reserve(needed.max(2 * crossed.len()), "the hits");
@@ -274,7 +296,8 @@ impl Rays<'_> {
             let own = hits.iter().map(|&hit| RayHit::of(number, hit));
             crossed
                 .extend(own.map(|hit| self.met(hit, self.corners(hit.primitive)).unwrap_or(hit)));
-        }
+            Ok::<_, PyErr>(())
+        })?;
         // Those that rounding leaves no distance between may be the other way round as given.
         for hits in crossed.chunk_by_mut(|one, other| one.ray == other.ray) {
             hits.sort_by(|one, other| {

@@ -206,7 +206,7 @@ fn mirrored(scene: &PreparedScene, [x, y]: [u32; 2], mirrors: usize) -> (Ray, Di
         let Interaction::Surface(point, _) = met else { panic!("({x}, {y}) meets no surface") };
         let request = shade::mirror_request(&point, Vec3::ONE.into()).expect("a mirror ray");
         let at = (&ray, &hit);
-        differential = Some(scene.turned(differential, at, &point, None, &mut look_ups));
+        differential = Some(scene.mirrored(differential, at, &point, &mut look_ups));
         let Line { origin, direction } = request.line;
         ray = Ray::new(origin.into(), direction.into());
     }

@@ -4,7 +4,7 @@ use glam::{DAffine3, DQuat, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::Config;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::accel::{Accel, Crossings, Hit, KernelChoice};
 use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::geometry::{Geometry, Primitive, Quadric};
 use wavecrest_core::kernels::disk::Disk;
@@ -275,15 +275,17 @@ proptest! {
             all.iter().map(|ranked| ranked.first().map_or(Hit::MISS, hit)).collect();
         for accel in ways(&geometry, part) {
             let (mut traversal, mut found) = (accel.traversal(), vec![Hit::MISS; rays.len()]);
+            let mut crossings = Crossings::default();
             accel.closest_of(&rays[..], &mut found, &mut traversal);
             prop_assert_eq!(&found, &closest, "{:?} {:?}", accel.kernel, accel.level);
             for (i, ray) in rays.iter().enumerate() {
                 prop_assert_eq!(accel.closest(ray, &mut traversal), closest[i]);
-                accel.crossings(ray, &mut traversal, &mut found);
+                accel.crossings(ray, &mut traversal, &mut crossings);
                 // A ray meets more than it crosses: triangles around an edge.
                 let own = |hit: &Hit| (hit.primitive as usize) < geometry.own();
                 let mut met = all[i].iter().map(hit).filter(own);
-                prop_assert!(found.iter().all(|hit| met.any(|met| met == *hit)), "{:?}", found);
+                let found = crossings.hits();
+                prop_assert!(found.iter().all(|hit| met.any(|met| met == *hit)), "{found:?}");
             }
         }
     }

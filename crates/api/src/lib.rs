@@ -224,7 +224,7 @@ pub use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 // Rays against a prepared scene, or against your own primitives.
 pub use wavecrest_core::accel::build::Preset;
 pub use wavecrest_core::accel::{
-    Accel, Hit, KernelChoice, NO_PRIMITIVE, RayColumns, Rays, Traversal, rays_at_once,
+    Accel, Crossings, Hit, KernelChoice, NO_PRIMITIVE, RayColumns, Rays, Traversal, rays_at_once,
 };
 pub use wavecrest_core::counters::TestCounts;
 pub use wavecrest_core::geometry::instance::Instance;

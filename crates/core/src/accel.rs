@@ -18,7 +18,6 @@ mod hit;
 mod instances;
 mod leaf;
 mod node;
-mod noted;
 mod order;
 mod packet;
 mod query;
@@ -41,7 +40,6 @@ use crate::math::simd::Level;
 use crate::with_precision;
 use build::{ChunkSizes, Preset};
 use instances::Walks;
-use noted::NotedLeaves;
 use packet::Packets;
 use stream::Flight;
 use tlas::Tlas;
@@ -54,6 +52,7 @@ use query::{Closest, Occluded, Query};
 use tree::{Chunk, Demand, Root, Searched, Tree};
 
 pub use choice::KernelChoice;
+pub use crossings::Crossings;
 pub use hit::{Hit, NO_PRIMITIVE};
 pub use rays::{RayColumns, Rays, rays_at_once};
 pub use search::Search;
@@ -65,13 +64,10 @@ pub struct Traversal {
     flight: Flight,
     packets: Packets,
     walks: Walks,
-    noted: NotedLeaves,
     /// What a ray crosses near a hit.
-    pub(crate) crossed: Vec<Hit>,
+    pub(crate) crossed: Crossings,
     /// What rays were inside of.
     pub(crate) media: Multisets,
-    /// Whether any-hit searches note where rays pass primitives, for [`Search::transparent_crossings`].
-    pub notes_passed: bool,
     /// Whether an upper bound may take the place of the t of closest hits on triangles and quads,
     /// which is computed last, and not needed for shading.
     pub without_t: bool,
@@ -186,15 +182,28 @@ impl Accel {
         with_precision!(self.geometry.precision, P => self.search::<P>().occluded(ray, traversal))
     }
 
-    /// Everything on `ray`: the primitives that it crosses, those of lights too, but not those of
-    /// instances, in the order of their exact t, of equal t first those that shadow rays pass, then by
-    /// number, in place of what `hits` held. Of the triangles around an
-    /// edge or a corner, [`crossing`](crate::kernels::triangle::crossing) says which; a sphere may be
+    /// Everything that `ray` crosses, in place of what `crossings` held. Of the triangles around an edge
+    /// or a corner, [`crossing`](crate::kernels::triangle::crossing) says which; a sphere may be
     /// crossed twice. Of dozens of opaque triangles with the same corners the first counts.
-    pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
+    pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, crossings: &mut Crossings) {
         with_precision!(self.geometry.precision, P => {
-            self.search::<P>().crossings(ray, traversal, hits);
+            self.search::<P>().crossings(ray, traversal, crossings);
         });
+    }
+
+    /// As [`Self::crossings`], for many rays: for as many of the first ones as together cross not too much.
+    /// Returns their number.
+    pub fn crossings_of<'a>(
+        &self,
+        rays: impl Into<Rays<'a>>,
+        traversal: &mut Traversal,
+        crossings: &mut Crossings,
+    ) -> usize {
+        let rays = rays.into();
+        let none = &mut *vec![false; rays.count()];
+        with_precision!(self.geometry.precision, P => {
+            self.search::<P>().crossings_of(rays, (None, none), traversal, crossings)
+        })
     }
 
     /// The closest hits on many rays, including light shapes.
@@ -244,7 +253,7 @@ impl Accel {
     pub fn build_rest(&self) {
         let geometries = std::iter::once(&self.geometry).chain(&self.geometry.prototypes);
         for (tree, geometry) in self.trees().zip(geometries) {
-            let searched = Searched { tree, geometry, without_t: false };
+            let searched = Searched { tree, geometry, root: tree.root, without_t: false };
             tree.walk(|place, _| _ = searched.chunk(place));
         }
     }

@@ -119,6 +119,9 @@ counts! {
         closest: KernelCounts,
         /// For any-hit rays: shadow rays.
         shadow: KernelCounts,
+        /// For rays of which all is asked for that they cross: those of them that nothing opaque blocks.
+        #[serde(skip)]
+        crossed: KernelCounts,
     }
 }
 

@@ -79,6 +79,22 @@ impl ShadingKind {
     pub const ALL: [Self; 3] = [Self::Flat, Self::Quadrics, Self::Instances];
 }
 
+/// The primitives by what shadow rays do there: each kind has a tree of its own below the root of all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surfaces {
+    /// They end.
+    Opaque,
+    /// They pass shapes of lights.
+    Lights,
+    /// They pass and lose light.
+    Transparent,
+}
+
+impl Surfaces {
+    /// Every kind, in order.
+    pub const ALL: [Self; 3] = [Self::Opaque, Self::Lights, Self::Transparent];
+}
+
 /// A ray with values derived for the tests.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay {
@@ -262,6 +278,16 @@ impl Geometry {
         is_among(&self.transparent, number)
     }
 
+    /// What shadow rays do at the primitive.
+    #[inline]
+    pub fn surfaces_of(&self, number: u32) -> Surfaces {
+        match self.is_passed(number) {
+            false => Surfaces::Opaque,
+            true if self.is_transparent(number) => Surfaces::Transparent,
+            true => Surfaces::Lights,
+        }
+    }
+
     /// The t at which the ray hits the primitive: the least within its range that is not in a hole,
     /// rounded once.
     #[inline(always)]
@@ -302,6 +328,32 @@ impl Geometry {
             }
             Primitive::Instanced(instanced) => self.hit_instanced::<P>(instanced, ray, tests),
         }
+    }
+
+    /// Every t at which the ray crosses the primitive outside of holes; none of instances.
+    pub(crate) fn cross<P: Arithmetic>(
+        &self,
+        number: u32,
+        ray: &Ray,
+        tests: &mut TestCounts,
+    ) -> impl Iterator<Item = f32> {
+        let found = match self.primitive(number) {
+            Primitive::Triangle(i) => {
+                tests.primitives.triangles += 1;
+                [triangle::crossing(ray, &self.triangle(i)), None]
+            }
+            Primitive::Quad(i) => {
+                tests.primitives.quads += 2;
+                quad::halves(&self.quad(i)).map(|half| triangle::crossing(ray, &half))
+            }
+            Primitive::Quadric(i) => {
+                self.quadrics[i].count(tests, 1);
+                self.quadrics[i].crossings::<P>(ray)
+            }
+            Primitive::Instanced(_) => [None; 2],
+        };
+        let is_there = move |t: &f32| !self.is_hole::<P>(number, ray, *t, tests);
+        found.into_iter().flatten().filter(is_there)
     }
 
     /// As [`Self::hit`], for a triangle of an instance: the ray is transformed into the space of the

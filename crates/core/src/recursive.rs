@@ -42,7 +42,6 @@ impl<P: Arithmetic> Recursive<P> {
     /// The tracer for `scene`, with the seed of random numbers.
     pub fn new(scene: &PreparedScene, seed: u64) -> Self {
         let mut traversal = scene.accel.traversal();
-        traversal.notes_passed = scene.plan.schedule().has_transmission();
         Self {
             seed,
             start: scene.media_at_camera::<P>(&mut traversal),
@@ -213,7 +212,7 @@ impl<P: Arithmetic> Recursive<P> {
                         if let Some((mirrored, throughput)) = mirror_ray(point, throughput) {
                             let differential = scene.carries_differentials().then(|| {
                                 let found = &mut self.counters.samples;
-                                scene.turned(at.differential, (&ray, &hit), point, None, found)
+                                scene.mirrored(at.differential, (&ray, &hit), point, found)
                             });
                             let (ray, state) = (mirrored, state.mirrored());
                             self.waiting.push(Branch { ray, throughput, state, differential });

@@ -17,6 +17,7 @@ mod s2_intersect;
 mod s3_shade;
 mod s4_shadow;
 mod s5_resolve;
+mod sight;
 
 use std::marker::PhantomData;
 
@@ -25,8 +26,10 @@ use crate::counters::Counters;
 use crate::kernels::Arithmetic;
 use crate::prepared::{MOST_RAYS, MediumStack, PreparedScene};
 use crate::tile::{PassClock, TimedPass, Tracer, Unit};
-use batch::{Batch, Vectors};
+use batch::Batch;
 use faces::{GROUPS, SortedHits};
+
+pub use sight::{Seen, Sight, sight};
 
 /// The default number of paths in a batch.
 pub const DEFAULT_BATCH: usize = 1024;
@@ -48,7 +51,6 @@ impl<P: Arithmetic> Wavefront<P> {
     /// The tracer for `scene`, with the seed of random numbers and the largest number of paths in a batch.
     pub fn new(scene: &PreparedScene, seed: u64, batch: usize) -> Self {
         let mut traversal = scene.accel.traversal();
-        traversal.notes_passed = scene.plan.schedule().has_transmission();
         Self {
             seed,
             needs_points: scene.needs_points(),

@@ -75,8 +75,9 @@ impl Ref {
         }
     }
 
+    /// The number of the first unit.
     #[inline(always)]
-    fn unit(self) -> usize {
+    pub(super) fn unit(self) -> usize {
         (self.0 >> 2) as usize
     }
 }

@@ -1,216 +1,223 @@
-//! Traversal that ends at no hit: every leaf whose box a ray meets is visited, and every triangle that it
-//! crosses is kept. Rays are traced one by one, but many in a call.
+//! Everything that rays cross: searches that end at no hit.
+//!
+//! What many rays cross is found in any order, and then sorted by ray.
 
-use super::{Best, Hit, Kind, Occluded, Rays, Ref, Root, Searched, Traversal, leaf, node, place};
-use crate::counters::TestCounts;
-use crate::geometry::{Geometry, Primitive};
-use crate::kernels::{Arithmetic, ShearedSpace, SlabRay, quad, triangle};
-use crate::math::float::{max, min};
-use crate::math::{LANES, Lanes, Ray, entry, set_bits};
+use super::{Best, Hit, Query, Rays, Search, Searched, Traversal};
+use crate::counters::{KernelCounts, Kernels};
+use crate::geometry::{Geometry, Surfaces};
+use crate::kernels::Arithmetic;
+use crate::math::Ray;
 
-/// The rays whose crossings are asked for, and which of these count.
-#[derive(Clone, Copy)]
-pub(super) struct CrossingQuery<'a> {
-    pub(super) rays: Rays<'a>,
-    /// The number of the first.
-    pub(super) first: usize,
-    /// Which of all rays to leave out.
-    pub(super) occluded: &'a [bool],
-    /// Whether only transparent primitives count.
-    pub(super) only_transparent: bool,
+/// Rays that cross more than this together are searched in parts, so that memory is bounded: what the
+/// rays of a batch cross then stays in the second-level cache.
+const MOST: usize = 1 << 13;
+
+/// Fewer rays than this are searched one by one.
+const FEWEST_TOGETHER: usize = 8;
+
+/// What rays cross, ray by ray. Its memory is used again.
+#[derive(Clone, Debug, Default)]
+pub struct Crossings {
+    /// As it was found.
+    crossed: Crossed,
+    /// Sorted by ray.
+    hits: Vec<Hit>,
+    /// For each ray the end of its hits; those of the first begin at 0.
+    ends: Vec<u32>,
+    /// The number of rays of the last part, if there was more than one part.
+    part: Option<usize>,
 }
 
-impl CrossingQuery<'_> {
-    /// Calls `cross` for each ray, which adds what it crosses to `hits`, and `each` with its number and
-    /// its hits in order, until that returns false. Returns the number of the next ray.
-    #[inline(always)]
-    pub(super) fn run(
-        self,
+impl Crossings {
+    /// What each ray crosses: the primitives, those of lights too, but not those of instances, in the order of
+    /// their exact t, of equal t first those that shadow rays pass, then by number.
+    pub fn of_rays(&self) -> impl Iterator<Item = &[Hit]> {
+        let mut start = 0;
+        self.ends.iter().map(move |&end| {
+            let own = start..end as usize;
+            start = end as usize;
+            &self.hits[own]
+        })
+    }
+
+    /// What all rays cross.
+    pub fn hits(&self) -> &[Hit] {
+        &self.hits
+    }
+
+    /// What a ray crosses, and where it first meets an instance, if it does.
+    pub(crate) fn with(&mut self, instanced: Hit) -> &[Hit] {
+        if !instanced.is_miss() {
+            let before = self.hits.partition_point(|other| other.t <= instanced.t);
+            self.hits.insert(before, instanced);
+        }
+        &self.hits
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let Self { crossed: Crossed { found, .. }, hits, ends, .. } = self;
+        found.capacity() * size_of::<(u32, Best)>()
+            + hits.capacity() * size_of::<Hit>()
+            + ends.capacity() * size_of::<u32>()
+    }
+
+    /// Sorts what was found for the first `count` rays; `finish` gives the hit of a ray.
+    fn sort(
+        &mut self,
         geometry: &Geometry,
-        hits: &mut Vec<Hit>,
-        mut cross: impl FnMut(usize, &Ray, &mut Vec<Hit>),
-        each: &mut HitsReceiver<'_>,
-    ) -> usize {
-        let Self { rays, first, occluded, .. } = self;
-        for (number, _) in occluded.iter().enumerate().skip(first).filter(|(_, is)| !**is) {
-            hits.clear();
-            let ray = rays.ray(number);
-            if ray.is_valid() {
-                cross(number, &ray, hits);
-            }
-            if hits.len() > 1 {
-                geometry.sort(&ray, hits);
-            }
-            if !each(number, hits) {
-                return number + 1;
+        (rays, count): (Rays<'_>, usize),
+        finish: impl Fn(&dyn Fn() -> Ray, &Best) -> Hit,
+    ) {
+        let Self { crossed: Crossed { found, .. }, hits, ends, .. } = self;
+        ends.clear();
+        ends.resize(count, 0);
+        found.iter().for_each(|&(ray, _)| ends[ray as usize] += 1);
+        let mut sum = 0;
+        ends.iter_mut().for_each(|count| sum += std::mem::replace(count, sum));
+        hits.clear();
+        hits.resize(found.len(), Hit::MISS);
+        for (number, best) in found {
+            let place = &mut ends[*number as usize];
+            hits[*place as usize] = finish(&|| rays.ray(*number as usize), best);
+            *place += 1;
+        }
+        let mut rest = hits.as_mut_slice();
+        let mut start = 0;
+        for (number, &end) in ends.iter().enumerate() {
+            let own = rest.split_off_mut(..(end - start) as usize).unwrap_or_default();
+            start = end;
+            if own.len() > 1 {
+                geometry.sort(&rays.ray(number), own);
             }
         }
-        occluded.len()
     }
 }
 
-/// Receives the number of a ray and its hits, and says whether to go on.
-pub(super) type HitsReceiver<'a> = dyn FnMut(usize, &[Hit]) -> bool + 'a;
+/// The query for all that rays cross. The answer for a ray, which is given, is whether to leave it out.
+#[derive(Clone, Debug, Default)]
+struct Crossed {
+    /// Each with the number of its ray.
+    found: Vec<(u32, Best)>,
+    /// No more are found than this.
+    most: usize,
+}
 
-/// [`CrossingQuery::run`] in a tree.
-#[inline(always)]
-pub(super) fn in_tree<S: Lanes, P: Arithmetic>(
-    simd: S,
-    searched: Searched<'_>,
-    query: CrossingQuery<'_>,
-    traversal: &mut Traversal,
-    hits: &mut Vec<Hit>,
-    each: &mut HitsReceiver<'_>,
-) -> usize {
-    let Traversal { stack, tests, noted, .. } = traversal;
-    let Some(root) = searched.tree.root else { return query.occluded.len() };
-    let only_transparent = query.only_transparent;
-    query.run(
-        searched.geometry,
-        hits,
-        #[inline(always)]
-        |number, ray, hits| {
-            let mut ray = LazyRay { ray, slab: None, space: None };
-            let leaves = noted.of(number).filter(|_| only_transparent);
-            let root = (leaves.is_none() && ray.may_meet(&root)).then_some(root.place);
-            for from in leaves.into_iter().flatten().chain(root) {
-                let (from, found) = ((from, only_transparent), (&mut *hits, &mut *tests));
-                cross_below::<S, P>(simd, searched, from, &mut ray, stack, found);
+impl Query for Crossed {
+    type Answer = bool;
+    const ALL: bool = true;
+
+    #[inline(always)]
+    fn answer(_: Hit) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn hit(_: bool) -> Hit {
+        Hit::MISS
+    }
+
+    #[inline(always)]
+    fn go_on(left_out: bool) -> Option<Hit> {
+        (!left_out).then_some(Hit::MISS)
+    }
+
+    #[inline(always)]
+    fn cross(&mut self, ray: usize, at: Best) {
+        if self.found.len() < self.most {
+            self.found.push((ray as u32, at));
+        }
+    }
+
+    fn counts(kernels: &mut Kernels) -> &mut KernelCounts {
+        &mut kernels.crossed
+    }
+}
+
+impl<P: Arithmetic> Search<'_, P> {
+    /// What `ray` crosses: see [`Accel::crossings`](super::Accel::crossings).
+    pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, crossings: &mut Crossings) {
+        let rays = Rays::Rows(std::slice::from_ref(ray));
+        self.crossings_of(rays, (None, &mut [false]), traversal, crossings);
+    }
+
+    /// What `rays` cross, but for those that are `left_out`: of all primitives, or of some surfaces. Rays
+    /// that cross much are searched in parts: returns the number of rays of this one.
+    #[inline(never)]
+    pub fn crossings_of(
+        &self,
+        rays: Rays<'_>,
+        (surfaces, left_out): (Option<Surfaces>, &mut [bool]),
+        traversal: &mut Traversal,
+        crossings: &mut Crossings,
+    ) -> usize {
+        let mut count = crossings.part.unwrap_or(usize::MAX).min(rays.count());
+        let searched = self.accel.tree.as_ref().map(|tree| self.part(tree, surfaces, traversal));
+        loop {
+            let query = &mut crossings.crossed;
+            query.found.clear();
+            query.most = if count > 1 { MOST } else { usize::MAX };
+            let (rays, left_out) = (rays.first(count), &mut left_out[..count]);
+            match searched {
+                Some(searched) => self.find(searched, rays, left_out, query, traversal),
+                None => self.find_in_all(surfaces, rays, left_out, query, traversal),
             }
-        },
-        each,
-    )
-}
-
-/// A ray, and what is derived from it once needed: lists need neither, leaves that were noted no slab.
-struct LazyRay<'a> {
-    ray: &'a Ray,
-    slab: Option<SlabRay>,
-    space: Option<ShearedSpace>,
-}
-
-impl LazyRay<'_> {
-    #[inline(always)]
-    fn slab(&mut self) -> &SlabRay {
-        self.slab.get_or_insert_with(|| SlabRay::new(self.ray))
-    }
-
-    #[inline(always)]
-    fn space(&mut self) -> &ShearedSpace {
-        self.space.get_or_insert_with(|| ShearedSpace::new(self.ray))
-    }
-
-    /// Whether it may meet what is below the root.
-    #[inline(always)]
-    fn may_meet(&mut self, root: &Root) -> bool {
-        let &Ray { t_min, t_max, .. } = self.ray;
-        let slab = self.slab();
-        let [near, far] = slab.interval(&root.bounds);
-        max(near, t_min) <= min(far, slab.reach(t_max))
-    }
-}
-
-/// Adds what the ray crosses at or below a place: all, or only transparent primitives.
-#[inline(always)]
-fn cross_below<S: Lanes, P: Arithmetic>(
-    simd: S,
-    searched: Searched<'_>,
-    (first, only_transparent): (Ref, bool),
-    ray: &mut LazyRay<'_>,
-    stack: &mut [u64],
-    (hits, tests): (&mut Vec<Hit>, &mut TestCounts),
-) {
-    let arena = searched.tree.arena.view();
-    let range = [ray.ray.t_min, ray.ray.t_max];
-    stack[0] = entry(f32::NEG_INFINITY, first.bits());
-    let mut height = 1;
-    while height > 0 {
-        height -= 1;
-        let mut next = Some(place(stack[height]));
-        while let Some(at) = next {
-            if at.kind() == Kind::List {
-                next = searched.chunk(at);
-                if next.is_none() {
-                    tests.leaves += 1;
-                    let numbers = (arena.list(at).iter().copied(), only_transparent);
-                    cross_each::<P>(searched.geometry, numbers, ray.ray, hits, tests);
-                }
-                continue;
-            }
-            if at.kind() != Kind::Node {
-                cross_leaf::<S, P>(simd, searched, ray, (at, only_transparent), (hits, tests));
+            if query.found.len() < query.most {
                 break;
             }
-            tests.nodes += 1;
-            // Like an any-hit query: no hit cuts the range.
-            let (node, slab) = (arena.node(at), ray.slab());
-            (next, height) = node::enter::<S, Occluded>(simd, node, at, slab, range, stack, height);
+            count /= 2;
+            crossings.part = Some(count);
+        }
+        if crossings.crossed.found.len() < MOST / 4 {
+            crossings.part = crossings.part.map(|part| part.saturating_mul(2));
+        }
+        let geometry = &self.accel.geometry;
+        crossings.sort(geometry, (rays, count), |ray, best| match searched {
+            Some(Searched { tree, .. }) if best.has_t() => {
+                Hit { t: best.low, primitive: best.number(tree.arena.view()) }
+            }
+            Some(Searched { tree, .. }) => best.finished(tree.arena.view(), &ray()),
+            None => Hit { t: best.low, primitive: best.entry },
+        });
+        count
+    }
+
+    fn find(
+        &self,
+        searched: Searched<'_>,
+        rays: Rays<'_>,
+        left_out: &mut [bool],
+        query: &mut Crossed,
+        traversal: &mut Traversal,
+    ) {
+        if searched.root.is_none() {
+        } else if rays.count() < FEWEST_TOGETHER || self.is_each() {
+            for (number, _) in left_out.iter().enumerate().filter(|(_, left_out)| !**left_out) {
+                self.in_tree(searched, (&rays.ray(number), number), query, traversal);
+            }
+        } else {
+            self.all_in_tree(searched, rays, left_out, query, traversal);
         }
     }
-}
 
-/// Adds the triangles of a leaf that the ray crosses: all, or only transparent ones.
-#[inline(always)]
-fn cross_leaf<S: Lanes, P: Arithmetic>(
-    simd: S,
-    searched: Searched<'_>,
-    ray: &mut LazyRay<'_>,
-    (place, only_transparent): (Ref, bool),
-    (hits, tests): (&mut Vec<Hit>, &mut TestCounts),
-) {
-    tests.leaves += 1;
-    let arena = searched.tree.arena.view();
-    let (ray, space) = (ray.ray, ray.space());
-    let found = leaf::test::<S, P>(simd, arena, (ray, space), place, ray.t_max, tests);
-    let mut met = found.certain | found.open;
-    if only_transparent {
-        met = searched.transparent(place, met);
-    }
-    for lane in set_bits::<LANES>(met) {
-        let hit = if found.certain >> lane & 1 == 1 {
-            // It passes beside every edge.
-            Best::in_leaf(place, lane, [found.low[lane], found.high[lane]])
-        } else {
-            tests.settled += 1;
-            let t = triangle::crossing(ray, &arena.triangle(place, lane));
-            let Some(t) = t else { continue };
-            Best::in_leaf(place, lane, [t, t])
-        };
-        hits.extend(
-            searched.behind_holes::<P>(ray, hit, tests).map(|hit| hit.finished(arena, ray)),
-        );
-    }
-}
-
-/// Adds those of the primitives with these numbers that the ray crosses, testing each, or each transparent
-/// one.
-#[inline(never)]
-pub(super) fn cross_each<P: Arithmetic>(
-    geometry: &Geometry,
-    (numbers, only_transparent): (impl Iterator<Item = u32>, bool),
-    ray: &Ray,
-    hits: &mut Vec<Hit>,
-    tests: &mut TestCounts,
-) {
-    for primitive in numbers.filter(|&number| !only_transparent || geometry.is_transparent(number))
-    {
-        let found = match geometry.primitive(primitive) {
-            Primitive::Triangle(i) => {
-                tests.primitives.triangles += 1;
-                [triangle::crossing(ray, &geometry.triangle(i)), None]
+    /// As [`Self::find`], by brute force.
+    fn find_in_all(
+        &self,
+        surfaces: Option<Surfaces>,
+        rays: Rays<'_>,
+        left_out: &[bool],
+        query: &mut Crossed,
+        traversal: &mut Traversal,
+    ) {
+        let geometry = &self.accel.geometry;
+        for (number, _) in left_out.iter().enumerate().filter(|(_, left_out)| !**left_out) {
+            let ray = rays.ray(number);
+            for primitive in (0..geometry.own() as u32).filter(|_| ray.is_valid()) {
+                if surfaces.is_none_or(|surfaces| geometry.surfaces_of(primitive) == surfaces) {
+                    let at = |t| query.cross(number, Best::of(Hit { t, primitive }));
+                    geometry.cross::<P>(primitive, &ray, &mut traversal.tests).for_each(at);
+                }
             }
-            Primitive::Quad(i) => {
-                tests.primitives.quads += 2;
-                let halves = quad::halves(&geometry.quad(i));
-                halves.map(|half| triangle::crossing(ray, &half))
-            }
-            Primitive::Quadric(i) => {
-                geometry.quadrics[i].count(tests, 1);
-                geometry.quadrics[i].crossings::<P>(ray)
-            }
-            Primitive::Instanced(_) => [None; 2],
-        };
-        let is_there = |t: &f32| !geometry.is_hole::<P>(primitive, ray, *t, tests);
-        hits.extend(found.into_iter().flatten().filter(is_there).map(|t| Hit { t, primitive }));
+        }
     }
 }

@@ -152,7 +152,8 @@ impl<P: Arithmetic> Search<'_, P> {
             answers.resize(carried.len(), Q::answer(Hit::MISS));
             // A ray counts once, in the search of the scene.
             let (searched, kernels) = (self.prototype(prototype), traversal.kernels);
-            self.all_in_tree::<Q>(searched, Rays::Rows(carried), answers, traversal);
+            let query = &mut Q::default();
+            self.all_in_tree(searched, Rays::Rows(carried), answers, query, traversal);
             traversal.kernels = kernels;
             for (&(_, place), &answer) in group.iter().zip(answers.iter()) {
                 walks[place as usize].1.offer(geometry, instance, Q::hit(answer));

@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 
 use super::arena::LeafHead;
 use super::query::ANY_HIT;
-use super::{ArenaView, Best, Kind, NotedLeaves, Patch, Query, Ref, Searched};
+use super::{ArenaView, Best, Kind, Patch, Query, Ref, Searched};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::triangle::exact;
@@ -14,9 +14,8 @@ use crate::kernels::triangle::settle::Verdict;
 use crate::kernels::{Arithmetic, LaneHits, ShearedSpace, triangle};
 use crate::math::{LANES, Lanes, Ray, Vector, outlined, set_bits};
 
-/// Searches the leaf for the hit of query `Q`: replaces `best` by a hit that comes first, or by
-/// any. Returns whether it did. An any-hit query notes the leaf for the ray with that number, if it passes
-/// anything there.
+/// Searches the leaf for the hit of the query: replaces `best` by a hit that comes first, or by
+/// any. Returns whether it did. A query for all gets what the ray with that number crosses there.
 #[inline(always)]
 pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
@@ -24,37 +23,34 @@ pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     (ray, number): (&PreparedRay, usize),
     place: Ref,
     best: &mut Best,
-    (tests, noted): (&mut TestCounts, &mut NotedLeaves),
+    (tests, query): (&mut TestCounts, &mut Q),
 ) -> bool {
-    if place.kind() == Kind::List {
-        if Q::ANY {
-            noted.note_list(searched, number, place);
-        }
-        return visit_list::<Q, P>(searched, &ray.ray, place, best, tests);
-    }
     tests.leaves += 1;
+    if place.kind() == Kind::List {
+        let ray = (&ray.ray, number);
+        return visit_list::<Q, P>(searched, ray, place, best, (tests, query));
+    }
     let arena = searched.tree.arena.view();
     let hits = test::<S, P>(simd, arena, (&ray.ray, &ray.space), place, best.high, tests);
-    if Q::ANY {
-        noted.note_met(searched, number, (place, hits.certain | hits.open));
-    }
-    take::<S, Q, P>(simd, searched, &ray.ray, (place, hits), best, tests)
+    let ray = (&ray.ray, number);
+    take::<S, Q, P>(simd, searched, ray, (place, hits), best, (tests, query))
 }
 
 /// As [`visit`], for a list.
 #[inline(never)]
 fn visit_list<Q: Query, P: Arithmetic>(
     searched: Searched<'_>,
-    ray: &Ray,
+    (ray, index): (&Ray, usize),
     place: Ref,
     best: &mut Best,
-    tests: &mut TestCounts,
+    (tests, query): (&mut TestCounts, &mut Q),
 ) -> bool {
-    tests.leaves += 1;
     let mut is_closer = false;
     let numbers = searched.tree.arena.view().list(place);
     for (entry, &number) in numbers.iter().enumerate() {
-        if Q::ANY && searched.geometry.is_passed(number) {
+        if Q::ALL {
+            let (ray, at) = ((ray, index), ((place, entry), number));
+            cross_listed::<Q, P>(searched, ray, at, (tests, query));
             continue;
         }
         let Some(t) = searched.geometry.meet::<P>(number, ray, tests) else { continue };
@@ -106,11 +102,19 @@ pub(super) fn first_lanes(count: u32) -> u32 {
 pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
-    ray: &Ray,
+    (ray, number): (&Ray, usize),
     (place, mut hits): (Ref, LaneHits),
     best: &mut Best,
-    tests: &mut TestCounts,
+    (tests, query): (&mut TestCounts, &mut Q),
 ) -> bool {
+    if Q::ALL {
+        for lane in set_bits::<LANES>(hits.certain | hits.open) {
+            let is_certain = hits.certain >> lane & 1 == 1;
+            let at = ((place, lane), is_certain.then_some([hits.low[lane], hits.high[lane]]));
+            cross::<Q, P>(searched, (ray, number), at, (tests, query));
+        }
+        return false;
+    }
     if Q::ANY && take_any::<P>(searched, ray, (place, &mut hits), best, tests) {
         return true;
     }
@@ -140,6 +144,38 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
     is_closer
 }
 
+/// Gives the query a triangle of a leaf that the ray with that number meets within these bounds of t, passing beside
+/// every edge; or without bounds, that it may meet, if the ray crosses it.
+#[inline(always)]
+pub(super) fn cross<Q: Query, P: Arithmetic>(
+    searched: Searched<'_>,
+    (ray, number): (&Ray, usize),
+    ((place, entry), t): ((Ref, usize), Option<[f32; 2]>),
+    (tests, query): (&mut TestCounts, &mut Q),
+) {
+    let t = t.or_else(|| {
+        tests.settled += 1;
+        let t = triangle::crossing(ray, &searched.tree.arena.view().triangle(place, entry))?;
+        Some([t, t])
+    });
+    let hit = t.map(|t| Best::in_leaf(place, entry, t));
+    if let Some(hit) = hit.and_then(|hit| searched.behind_holes::<P>(ray, hit, tests)) {
+        query.cross(number, hit);
+    }
+}
+
+/// Gives the query every point at which the ray with that number crosses a primitive of a list.
+#[inline(always)]
+pub(super) fn cross_listed<Q: Query, P: Arithmetic>(
+    searched: Searched<'_>,
+    (ray, number): (&Ray, usize),
+    ((place, entry), primitive): ((Ref, usize), u32),
+    (tests, query): (&mut TestCounts, &mut Q),
+) {
+    let at = |t: f32| query.cross(number, Best::in_leaf(place, entry, [t, t]));
+    searched.geometry.cross::<P>(primitive, ray, tests).for_each(at);
+}
+
 /// Takes any of the certain hits, of which the others are removed. Returns whether there is one.
 #[inline(always)]
 fn take_any<P: Arithmetic>(
@@ -149,8 +185,7 @@ fn take_any<P: Arithmetic>(
     best: &mut Best,
     tests: &mut TestCounts,
 ) -> bool {
-    let certain = searched.without_passed(place, std::mem::take(&mut hits.certain));
-    for lane in set_bits::<LANES>(certain) {
+    for lane in set_bits::<LANES>(std::mem::take(&mut hits.certain)) {
         let hit = Best::in_leaf(place, lane, [hits.low[lane], hits.high[lane]]);
         if searched.behind_holes::<P>(ray, hit, tests).is_some() {
             *best = Best::of(ANY_HIT);
@@ -271,31 +306,5 @@ impl Searched<'_> {
         }
         let t = self.geometry.behind_holes::<P>(number, ray, hit.low, tests)?;
         Some(Best { low: t, high: t, ..hit })
-    }
-
-    /// The `triangles` of a leaf, a bit each, that shadow rays do not pass.
-    #[inline(always)]
-    pub(super) fn without_passed(&self, leaf: Ref, triangles: u32) -> u32 {
-        if self.geometry.passed.is_empty() {
-            return triangles;
-        }
-        triangles & !self.lanes_where(leaf, triangles, |number| self.geometry.is_passed(number))
-    }
-
-    /// The `triangles` of a leaf, a bit each, that are transparent.
-    #[inline(always)]
-    pub(super) fn transparent(&self, leaf: Ref, triangles: u32) -> u32 {
-        self.lanes_where(leaf, triangles, |number| self.geometry.is_transparent(number))
-    }
-
-    /// The `triangles` of a leaf, a bit each, of whose numbers this holds.
-    #[inline(always)]
-    fn lanes_where(&self, leaf: Ref, triangles: u32, holds: impl Fn(u32) -> bool) -> u32 {
-        let mut found = 0;
-        for lane in set_bits::<LANES>(triangles) {
-            let number = self.tree.arena.view().number_of(leaf, lane);
-            found |= u32::from(holds(number)) << lane;
-        }
-        found
     }
 }

@@ -41,7 +41,7 @@ fn axis<S: Lanes>(simd: S, node: &Node, ray: &SlabRay, k: usize) -> [f32x8<S>; 2
     ray.crossings(k, rows[entry].simd_into(simd), rows[entry ^ 1].simd_into(simd))
 }
 
-/// Enters the nearest child that the ray meets, or for any-hit queries the largest. Pushes the
+/// Enters the nearest child that the ray meets, or for other queries than the closest hit the largest. Pushes the
 /// others on the stack, whose length is `height`: the nearest or largest last. Returns the child,
 /// if any, and the new height.
 ///
@@ -71,7 +71,7 @@ pub(super) fn enter<S: Lanes, Q: Query>(
     if others & (others - 1) == 0 {
         let second = lane(others);
         let near: [f32; LANES] = near.into();
-        let is_in_order = !Q::ANY && near[first] <= near[second];
+        let is_in_order = Q::NEAREST && near[first] <= near[second];
         let (first, second) = if is_in_order { (first, second) } else { (second, first) };
         stack[height] = entry(near[second], child_of(node, at, second).bits());
         return (Some(child_of(node, at, first)), height + 1);
@@ -81,8 +81,8 @@ pub(super) fn enter<S: Lanes, Q: Query>(
     (Some(place(stack[height])), height)
 }
 
-/// Appends the `entries` whose bit in `mask` is 1 to the stack: the nearest last, or for any-hit
-/// queries the largest. Returns the new height.
+/// Appends the `entries` whose bit in `mask` is 1 to the stack: the nearest last, or for other queries
+/// than the closest hit the largest. Returns the new height.
 #[inline(always)]
 pub(super) fn append<S: Lanes, Q: Query>(
     simd: S,
@@ -94,10 +94,10 @@ pub(super) fn append<S: Lanes, Q: Query>(
     let Some(room) = stack.get_mut(height..).and_then(|s| s.first_chunk_mut::<LANES>()) else {
         return height;
     };
-    if Q::ANY {
-        simd.compress(entries, mask, room);
-    } else {
+    if Q::NEAREST {
         simd.far_to_near(entries, mask, room);
+    } else {
+        simd.compress(entries, mask, room);
     }
     height + mask.count_ones() as usize
 }

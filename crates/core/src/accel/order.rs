@@ -42,11 +42,8 @@ impl Geometry {
     }
 
     /// Puts what a ray crosses in order.
-    pub(super) fn sort(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+    pub(super) fn sort(&self, ray: &Ray, hits: &mut [Hit]) {
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
-        // Lists hold a quad for each of its halves; a sphere may be touched, which counts twice.
-        let is_quad = |hit: &Hit| matches!(self.primitive(hit.primitive), Primitive::Quad(_));
-        hits.dedup_by(|a, b| a == b && is_quad(a));
         if self.precision != Precision::Fast {
             let tied = hits.chunk_by_mut(|a, b| a.t == b.t).filter(|tied| tied.len() > 1);
             tied.for_each(|tied| self.sort_tied(ray, tied));

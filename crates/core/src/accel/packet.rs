@@ -25,8 +25,7 @@ use std::marker::PhantomData;
 use super::query::ANY_HIT;
 use super::stream::{self, HandedRays, RaySource};
 use super::{
-    Hit, KernelChoice, Kind, NotedLeaves, Query, Rays, Ref, Root, Searched, Traversal, distance,
-    place, single,
+    Hit, KernelChoice, Kind, Query, Rays, Ref, Root, Searched, Traversal, distance, place, single,
 };
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
@@ -79,11 +78,12 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     searched: Searched<'_>,
     (rays, choice): (Rays<'_>, KernelChoice),
     answers: &mut [Q::Answer],
+    query: &mut Q,
     traversal: &mut Traversal,
 ) {
-    let Traversal { packets, flight, stack, tests, kernels, noted, .. } = traversal;
+    let Traversal { packets, flight, stack, tests, kernels, .. } = traversal;
     let kernel = Q::counts(kernels);
-    let Some(root) = searched.tree.root else {
+    let Some(root) = searched.root else {
         answers.fill(Q::answer(Hit::MISS));
         kernel.stream += rays.count() as u64;
         return;
@@ -108,8 +108,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         handed,
         stack,
         tests: &mut *tests,
-        noted: &mut *noted,
-        query: PhantomData,
+        query: &mut *query,
+        precision: PhantomData,
     };
     batch.trace(tiles, answers);
     let TileBatch { next, coherence, .. } = batch;
@@ -119,7 +119,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     kernel.rays_a_node.add(coherence.rays, coherence.visits);
     if !handed.queue.is_empty() || next < rays.count() {
         let source = RaySource { rays, handed, next, root };
-        stream::trace::<S, Q, P>(simd, searched, source, answers, flight, (tests, kernel, noted));
+        stream::trace::<S, Q, P>(simd, searched, source, answers, flight, (tests, kernel, query));
     }
 }
 
@@ -160,8 +160,8 @@ struct TileBatch<'a, S, Q, P> {
     handed: &'a mut HandedRays,
     stack: &'a mut [u64],
     tests: &'a mut TestCounts,
-    noted: &'a mut NotedLeaves,
-    query: PhantomData<(Q, P)>,
+    query: &'a mut Q,
+    precision: PhantomData<P>,
 }
 
 impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
@@ -200,7 +200,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
             self.simd,
             #[inline(always)]
             || {
-                while self.left != 0 || self.next_block() {
+                while self.left != 0 || self.next_block(answers) {
                     let (rays, is_fit) = tile.load(self.simd, &self.rays, self.block, self.left);
                     self.left &= !rays;
                     self.coherence.tiles += 1;
@@ -233,12 +233,17 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
 
     /// Goes on to the next block of rays, if packets are to take it.
     #[inline(always)]
-    fn next_block(&mut self) -> bool {
+    fn next_block(&mut self, answers: &[Q::Answer]) -> bool {
         let count = self.rays.count() - self.next;
         if !self.choice.packs(count, self.coherence.is_coherent()) {
             return false;
         }
         (self.block, self.left) = (self.next, columns::first(count));
+        if Q::ALL {
+            let is_left = |i: &usize| Q::go_on(answers[self.block + number_of(*i)]).is_some();
+            let left = set_bits::<TILE>(self.left).filter(is_left);
+            self.left = left.fold(0, |left, i| left | 1 << i);
+        }
         self.next += count.min(TILE);
         let ahead = self.next + (AHEAD - 1) * TILE;
         self.rays.prefetch(ahead..(ahead + TILE).min(self.rays.count()));
@@ -252,8 +257,6 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
         tile.clear();
         self.visit_leaf(tile, place, tile.rays);
         self.settle(tile);
-        // They come there again.
-        tile.passing = 0;
         if !tile.is_done() {
             self.ending = None;
         }
@@ -271,8 +274,10 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
             }
             let at = place(entry);
             if at.kind() != Kind::Node {
-                let rays =
-                    if Q::ANY { rays } else { rays & tile.reaching(self.simd, distance(entry)) };
+                let rays = match Q::NEAREST {
+                    true => rays & tile.reaching(self.simd, distance(entry)),
+                    false => rays,
+                };
                 if rays != 0 {
                     if let Some(root) = self.searched.chunk(at) {
                         let entry = crate::math::simd::entry(distance(entry), root.bits());
@@ -280,11 +285,6 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                         continue;
                     }
                     self.visit_leaf(tile, at, rays);
-                    if Q::ANY && tile.passing != 0 {
-                        for number in numbers(tile.block, std::mem::take(&mut tile.passing)) {
-                            self.noted.note(number, at);
-                        }
-                    }
                     if Q::ANY && tile.is_done() {
                         self.ending = Some(at);
                         return false;
@@ -292,7 +292,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                 }
                 continue;
             }
-            let few = if Q::ANY { FEW_RAYS_FOR_ANY } else { FEW_RAYS };
+            let few = if Q::NEAREST { FEW_RAYS } else { FEW_RAYS_FOR_ANY };
             if rays.count_ones() <= few && at != self.root.place {
                 self.hand_over(tile, entry, rays);
                 continue;
@@ -324,8 +324,8 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                     let ray = (&PreparedRay::new(&tile.ray(i)), number);
                     let before = tile.best(i);
                     let stack = (&mut *self.stack, place);
-                    let notes = (&mut *self.tests, &mut *self.noted);
-                    let best = single::trace::<S, Q, P>(simd, searched, ray, before, stack, notes);
+                    let memory = (&mut *self.tests, &mut *self.query);
+                    let best = single::trace::<S, Q, P>(simd, searched, ray, before, stack, memory);
                     if best == before {
                         return;
                     }

@@ -1,14 +1,24 @@
-//! The queries: closest hit and any hit.
+//! The queries: closest hit, any hit, and everything that a ray crosses.
 
-use super::Hit;
+use super::{Best, Hit};
 use crate::counters::{KernelCounts, Kernels};
+use crate::geometry::Surfaces;
 
 /// A query for a ray.
-pub(super) trait Query {
+pub(super) trait Query: Default {
     type Answer: Copy;
 
     /// Whether any hit suffices.
-    const ANY: bool;
+    const ANY: bool = false;
+
+    /// Whether everything that a ray crosses is asked for: then there is no closest hit.
+    const ALL: bool = false;
+
+    /// Whether the closest hit is asked for: then a hit ends the search beyond.
+    const NEAREST: bool = !Self::ANY && !Self::ALL;
+
+    /// The surfaces that count, if not all.
+    const SURFACES: Option<Surfaces> = None;
 
     /// The answer for a finished ray; a ray that cannot be traced has missed.
     fn answer(best: Hit) -> Self::Answer;
@@ -22,16 +32,20 @@ pub(super) trait Query {
         Some(Self::hit(answer)).filter(|hit| !Self::ANY || hit.is_miss())
     }
 
+    /// Takes a point at which the ray with that number crosses a surface.
+    #[inline(always)]
+    fn cross(&mut self, _ray: usize, _at: Best) {}
+
     /// The counters for its rays.
     fn counts(kernels: &mut Kernels) -> &mut KernelCounts;
 }
 
 /// The primitive that is hit first.
+#[derive(Default)]
 pub(super) struct Closest;
 
 impl Query for Closest {
     type Answer = Hit;
-    const ANY: bool = false;
 
     #[inline(always)]
     fn answer(best: Hit) -> Hit {
@@ -49,12 +63,14 @@ impl Query for Closest {
     }
 }
 
-/// Whether anything except a light's shape is hit.
+/// Whether anything opaque is hit.
+#[derive(Default)]
 pub(super) struct Occluded;
 
 impl Query for Occluded {
     type Answer = bool;
     const ANY: bool = true;
+    const SURFACES: Option<Surfaces> = Some(Surfaces::Opaque);
 
     #[inline(always)]
     fn answer(best: Hit) -> bool {

@@ -51,13 +51,34 @@ impl<'a> From<&'a [Ray]> for Rays<'a> {
     }
 }
 
-impl Rays<'_> {
+impl<'a> Rays<'a> {
     /// The number of rays.
     #[inline(always)]
     pub fn count(&self) -> usize {
         match self {
             Self::Rows(rays) => rays.len(),
             Self::Columns(columns) => columns.count,
+        }
+    }
+
+    /// The first ones.
+    pub(super) fn first(self, count: usize) -> Self {
+        match self {
+            Self::Rows(rays) => Self::Rows(&rays[..count]),
+            Self::Columns(columns) => Self::Columns(RayColumns { count, ..columns }),
+        }
+    }
+
+    /// All but the first ones.
+    pub(crate) fn without(self, first: usize) -> Self {
+        match self {
+            Self::Rows(rays) => Self::Rows(&rays[first..]),
+            Self::Columns(RayColumns { count, origin, direction, t_min, t_max }) => {
+                let [origin, direction] =
+                    [origin, direction].map(|of| of.map(|axis| &axis[first..]));
+                let t_min = t_min.map(|t_min| &t_min[first..]);
+                Self::Columns(RayColumns { count: count - first, origin, direction, t_min, t_max })
+            }
         }
     }
 

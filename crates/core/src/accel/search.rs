@@ -1,22 +1,21 @@
 //! The queries of an [`Accel`]: for one ray or many, for the closest hit or any.
 //!
-//! Only [`Search::crossings_of`], [`Search::in_tree`] and [`Search::all_in_tree`] are compiled once for
-//! each instruction level, so they are never inlined. A call costs less than a node visit. The single-ray
+//! Only [`Search::in_tree`] and [`Search::all_in_tree`] are compiled once for each instruction level, so
+//! they are never inlined. A call costs less than a node visit. The single-ray
 //! kernel exists for every level; batch kernels exist for levels with vectors of eight numbers, which
 //! justify the code size. At other levels each ray is searched alone.
 
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::crossings::{CrossingQuery, HitsReceiver};
 use super::{
-    Accel, Closest, Hit, KernelChoice, Occluded, Query, Rays, Searched, Traversal, Tree, crossings,
-    packet, single,
+    Accel, Closest, Hit, KernelChoice, Occluded, Query, Rays, Searched, Traversal, Tree, packet,
+    single,
 };
 use crate::at_level;
 use crate::at_wide_level;
 use crate::counters::TestCounts;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Surfaces};
 use crate::kernels::Arithmetic;
 use crate::math::{Ray, is_wide};
 
@@ -48,58 +47,6 @@ impl<P: Arithmetic> Search<'_, P> {
     /// See [`Accel::occluded_of`].
     pub fn occluded_of(&self, rays: Rays<'_>, answers: &mut [bool], traversal: &mut Traversal) {
         self.many::<Occluded>(rays, answers, traversal);
-    }
-
-    /// See [`Accel::crossings`].
-    #[inline(never)]
-    pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
-        let rays = Rays::Rows(std::slice::from_ref(ray));
-        let query = CrossingQuery { rays, first: 0, occluded: &[false], only_transparent: false };
-        self.crossings_of(query, traversal, hits, &mut |_, _| true);
-    }
-
-    /// As [`Accel::crossings`], of transparent primitives, for those `rays` from the number
-    /// `first` on that are not `occluded`: after [`Self::occluded_of`] without another search, if
-    /// [`Traversal::notes_passed`]. `each` receives the number of each ray, with its hits, and says
-    /// whether to go on; `hits` is memory for these. Returns the number of the next ray.
-    #[inline(never)]
-    pub fn transparent_crossings(
-        &self,
-        rays: Rays<'_>,
-        (first, occluded): (usize, &[bool]),
-        traversal: &mut Traversal,
-        hits: &mut Vec<Hit>,
-        each: &mut HitsReceiver<'_>,
-    ) -> usize {
-        let query = CrossingQuery { rays, first, occluded, only_transparent: true };
-        self.crossings_of(query, traversal, hits, each)
-    }
-
-    fn crossings_of(
-        &self,
-        query: CrossingQuery<'_>,
-        traversal: &mut Traversal,
-        hits: &mut Vec<Hit>,
-        each: &mut HitsReceiver<'_>,
-    ) -> usize {
-        hits.clear();
-        let Accel { geometry, tree, level, .. } = self.accel;
-        if let Some(tree) = tree {
-            let searched = self.own(tree, traversal);
-            return at_level!(*level, simd =>
-                crossings::in_tree::<_, P>(simd, searched, query, traversal, hits, each));
-        }
-        let cross = |_, ray: &Ray, hits: &mut Vec<Hit>| {
-            let numbers = 0..geometry.own() as u32;
-            crossings::cross_each::<P>(
-                geometry,
-                (numbers, query.only_transparent),
-                ray,
-                hits,
-                &mut traversal.tests,
-            );
-        };
-        query.run(geometry, hits, cross, each)
     }
 
     /// The closest hit on instances, which are not among [`Self::crossings`].
@@ -136,12 +83,8 @@ impl<P: Arithmetic> Search<'_, P> {
             let numbers = 0..geometry.len() as u32;
             return Q::answer(brute::<Q, P>(geometry, numbers, ray, &mut traversal.tests));
         };
-        let searched = self.own(tree, traversal);
-        if Q::ANY {
-            traversal.noted.begin(traversal.notes_passed, 1);
-        }
-        let best = self.in_tree::<Q>(searched, ray, traversal);
-        traversal.noted.is_noting = false;
+        let searched = self.part(tree, Q::SURFACES, traversal);
+        let best = self.in_tree(searched, (ray, 0), &mut Q::default(), traversal);
         if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
             return Q::answer(best);
         }
@@ -150,21 +93,23 @@ impl<P: Arithmetic> Search<'_, P> {
 
     #[inline(never)]
     fn many<Q: Query>(&self, rays: Rays<'_>, answers: &mut [Q::Answer], traversal: &mut Traversal) {
-        let Accel { geometry, tree, kernel, level, .. } = self.accel;
-        // The reference has no use for lanes.
-        let is_each = P::IS_REFERENCE
-            || matches!(kernel, KernelChoice::Single | KernelChoice::Reference)
-            || !is_wide(*level);
-        let Some(tree) = tree.as_ref().filter(|_| !is_each) else {
+        let Accel { geometry, tree, .. } = self.accel;
+        let Some(tree) = tree.as_ref().filter(|_| !self.is_each()) else {
             self.each::<Q>(rays, answers, traversal);
             return;
         };
-        traversal.noted.begin(Q::ANY && traversal.notes_passed, rays.count());
-        self.all_in_tree::<Q>(self.own(tree, traversal), rays, answers, traversal);
-        traversal.noted.is_noting = false;
+        let searched = self.part(tree, Q::SURFACES, traversal);
+        self.all_in_tree(searched, rays, answers, &mut Q::default(), traversal);
         if !geometry.instances.is_empty() {
             self.all_among_instances::<Q>(rays, answers, traversal);
         }
+    }
+
+    /// Whether rays are searched one by one. The reference has no use for lanes.
+    pub(super) fn is_each(&self) -> bool {
+        P::IS_REFERENCE
+            || matches!(self.accel.kernel, KernelChoice::Single | KernelChoice::Reference)
+            || !is_wide(self.accel.level)
     }
 
     /// Searches many rays one by one.
@@ -182,8 +127,6 @@ impl<P: Arithmetic> Search<'_, P> {
             };
             *answer = self.one::<Q>(ray, traversal);
         }
-        // Those of the last ray alone.
-        traversal.noted.begin(false, 0);
     }
 
     /// The hit of a ray in the tree of a prototype, by the prototype's own numbers.
@@ -196,33 +139,40 @@ impl<P: Arithmetic> Search<'_, P> {
         if !ray.is_valid() {
             return Hit::MISS;
         }
-        self.in_tree::<Q>(self.prototype(number), ray, traversal)
+        self.in_tree(self.prototype(number), (ray, 0), &mut Q::default(), traversal)
     }
 
     /// The prototype with that number.
     pub(super) fn prototype(&self, number: usize) -> Searched<'_> {
         let Accel { blas, geometry, .. } = self.accel;
-        let geometry = &geometry.prototypes[number];
-        Searched { tree: &blas[number], geometry, without_t: false }
+        let (tree, geometry) = (&blas[number], &geometry.prototypes[number]);
+        Searched { tree, geometry, root: tree.root, without_t: false }
     }
 
-    /// The scene's own primitives. Among instances, hits are compared by t.
+    /// The scene's own primitives, all or those of some surfaces. Among instances, hits are compared by t.
     #[inline(always)]
-    fn own<'b>(&'b self, tree: &'b Tree, traversal: &Traversal) -> Searched<'b> {
+    pub(super) fn part<'b>(
+        &'b self,
+        tree: &'b Tree,
+        surfaces: Option<Surfaces>,
+        traversal: &Traversal,
+    ) -> Searched<'b> {
         let geometry = &self.accel.geometry;
         let without_t = traversal.without_t && geometry.instances.is_empty();
-        Searched { tree, geometry, without_t }
+        Searched { tree, geometry, root: tree.root_of(surfaces), without_t }
     }
 
-    /// The hit in a tree for query `Q`.
+    /// The hit in a tree for the query, of the ray with that number.
     #[inline(never)]
-    fn in_tree<Q: Query>(
+    pub(super) fn in_tree<Q: Query>(
         &self,
         searched: Searched<'_>,
-        ray: &Ray,
+        ray: (&Ray, usize),
+        query: &mut Q,
         traversal: &mut Traversal,
     ) -> Hit {
-        at_level!(self.accel.level, simd => single::hit::<_, Q, P>(simd, searched, ray, traversal))
+        at_level!(self.accel.level, simd =>
+            single::hit::<_, Q, P>(simd, searched, ray, query, traversal))
     }
 
     /// As [`Self::in_tree`], for many rays. The level must have batch kernels.
@@ -232,11 +182,12 @@ impl<P: Arithmetic> Search<'_, P> {
         searched: Searched<'_>,
         rays: Rays<'_>,
         answers: &mut [Q::Answer],
+        query: &mut Q,
         traversal: &mut Traversal,
     ) {
         let rays = (rays, self.accel.kernel);
         at_wide_level!(self.accel.level, simd =>
-            packet::trace::<_, Q, P>(simd, searched, rays, answers, traversal));
+            packet::trace::<_, Q, P>(simd, searched, rays, answers, query, traversal));
     }
 }
 

@@ -1,31 +1,30 @@
 //! Traversal by one ray: for the recursive tracer, and for the rays left by packets.
 
-use super::{
-    Best, Hit, Kind, NotedLeaves, Query, Searched, Traversal, distance, leaf, node, place,
-};
+use super::{Best, Hit, Kind, Query, Searched, Traversal, distance, leaf, node, place};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::Arithmetic;
 use crate::math::{Lanes, Ray, entry};
 
-/// The hit on `ray` for query `Q`.
+/// The hit on `ray` for the query.
 #[inline(always)]
 pub(super) fn hit<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
-    ray: &Ray,
+    (ray, number): (&Ray, usize),
+    query: &mut Q,
     traversal: &mut Traversal,
 ) -> Hit {
-    let Traversal { stack, noted, tests, .. } = traversal;
-    let Some(root) = searched.tree.root else { return Hit::MISS };
+    let Traversal { stack, tests, .. } = traversal;
+    let Some(root) = searched.root else { return Hit::MISS };
     let prepared = &PreparedRay::new(ray);
     let (best, from) = (Best::none(ray.t_max), entry(f32::NEG_INFINITY, root.place.bits()));
-    let (stack, notes) = (stack.as_mut_slice(), (&mut *tests, noted));
-    let best = trace::<S, Q, P>(simd, searched, (prepared, 0), best, (stack, from), notes);
-    best.answer(searched, ray, tests)
+    let (stack, memory) = (stack.as_mut_slice(), (&mut *tests, query));
+    let best = trace::<S, Q, P>(simd, searched, (prepared, number), best, (stack, from), memory);
+    if Q::ALL { Hit::MISS } else { best.answer(searched, ray, tests) }
 }
 
-/// The hit for query `Q` at or below the place of the entry `from`, or `best`, the closest hit so far, for
+/// The hit for the query at or below the place of the entry `from`, or `best`, the closest hit so far, for
 /// the ray with that number.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
@@ -34,7 +33,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     (ray, number): (&PreparedRay, usize),
     mut best: Best,
     (stack, from): (&mut [u64], u64),
-    (tests, noted): (&mut TestCounts, &mut NotedLeaves),
+    (tests, query): (&mut TestCounts, &mut Q),
 ) -> Best {
     let arena = searched.tree.arena.view();
     stack[0] = from;
@@ -42,8 +41,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     while height > 0 {
         height -= 1;
         let entry = stack[height];
-        // In any-hit queries the limit is fixed, and everything on the stack is within it.
-        if !Q::ANY && distance(entry) > ray.slab.reach(best.high) {
+        // In other queries the limit is fixed, and everything on the stack is within it.
+        if Q::NEAREST && distance(entry) > ray.slab.reach(best.high) {
             continue;
         }
         let mut next = Some(place(entry));
@@ -59,8 +58,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
             next = Some(root);
         }
         let Some(leaf) = next else { continue };
-        let (ray, notes) = ((ray, number), (&mut *tests, &mut *noted));
-        if leaf::visit::<S, Q, P>(simd, searched, ray, leaf, &mut best, notes) && Q::ANY {
+        let (ray, memory) = ((ray, number), (&mut *tests, &mut *query));
+        if leaf::visit::<S, Q, P>(simd, searched, ray, leaf, &mut best, memory) && Q::ANY {
             break;
         }
     }

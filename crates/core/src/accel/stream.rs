@@ -17,7 +17,7 @@ use bytemuck::Zeroable;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
-use super::{ArenaView, Best, Kind, NotedLeaves, Query, Searched, distance, leaf, node, place};
+use super::{ArenaView, Best, Kind, Query, Searched, distance, leaf, node, place};
 use crate::counters::{KernelCounts, TestCounts};
 use crate::geometry::PreparedRay;
 use crate::kernels::{Arithmetic, LaneHits};
@@ -92,7 +92,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     mut source: RaySource<'_>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
-    (tests, kernel, noted): (&mut TestCounts, &mut KernelCounts, &mut NotedLeaves),
+    (tests, kernel, query): (&mut TestCounts, &mut KernelCounts, &mut Q),
 ) {
     let Flight { slots, stacks, stride, rounds } = flight;
     let (Some(slots), Some(round)) = (slots.first_chunk_mut(), rounds.first_mut()) else { return };
@@ -109,7 +109,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         tops,
         stride: *stride,
         tests,
-        noted,
+        query,
         next,
         precision: PhantomData,
     };
@@ -141,7 +141,7 @@ struct FlightRounds<'a, 'b, Q: Query, P> {
     tops: &'a mut [usize; FLIGHT],
     stride: usize,
     tests: &'a mut TestCounts,
-    noted: &'a mut NotedLeaves,
+    query: &'a mut Q,
     next: &'a mut NextSteps,
     precision: PhantomData<P>,
 }
@@ -211,13 +211,11 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
             let Slot { ray, best, number } = &mut self.slots[step.slot()];
             let met = hits.certain | hits.open;
             let is_closer = met != 0 && {
-                if Q::ANY {
-                    self.noted.note_met(self.searched, *number as usize, (step.place(), met));
-                }
-                let found = (step.place(), *hits);
-                leaf::take::<S, Q, P>(simd, self.searched, &ray.ray, found, best, self.tests)
+                let (ray, found) = ((&ray.ray, *number as usize), (step.place(), *hits));
+                let memory = (&mut *self.tests, &mut *self.query);
+                leaf::take::<S, Q, P>(simd, self.searched, ray, found, best, memory)
             };
-            if is_closer && !Q::ANY {
+            if is_closer && Q::NEAREST {
                 // Wanted when the ray is done.
                 self.arena.prefetch_numbers(self.arena.patch(step.place()).head.first);
             }
@@ -244,8 +242,8 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
                 self.next.push(self.arena, index, root);
                 continue;
             }
-            let (ray, notes) = ((&*ray, *number as usize), (tests, &mut *self.noted));
-            let is_closer = leaf::visit::<S, Q, P>(simd, searched, ray, at, best, notes);
+            let (ray, memory) = ((&*ray, *number as usize), (tests, &mut *self.query));
+            let is_closer = leaf::visit::<S, Q, P>(simd, searched, ray, at, best, memory);
             self.go_on(index, is_closer);
         }
     }

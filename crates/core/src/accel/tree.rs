@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use super::{Arena, Kind, Ref, TreeContents, child_of};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Surfaces};
 use crate::kernels::Aabb;
 use crate::math::LANES;
 
@@ -12,7 +12,9 @@ use crate::math::LANES;
 #[derive(Debug, Default)]
 pub struct Tree {
     pub(super) arena: Arena,
+    /// Of everything, and of each kind of [`Surfaces`].
     pub(super) root: Option<Root>,
+    pub(super) surfaces: [Option<Root>; Surfaces::ALL.len()],
     /// The contents of the tree, without chunks that rays build.
     pub(super) census: TreeContents,
     pub(super) demand: Option<Demand>,
@@ -41,11 +43,13 @@ pub(super) struct Chunk {
 pub(super) struct Searched<'a> {
     pub(super) tree: &'a Tree,
     pub(super) geometry: &'a Geometry,
+    /// What of the tree is searched.
+    pub(super) root: Option<Root>,
     /// See [`Traversal::without_t`](super::Traversal::without_t).
     pub(super) without_t: bool,
 }
 
-/// The start of traversal.
+/// A part of a tree, where traversal may start.
 #[derive(Clone, Copy, Debug)]
 pub struct Root {
     /// The node or leaf.
@@ -66,6 +70,11 @@ impl Demand {
 }
 
 impl Tree {
+    /// The root of everything, or of some surfaces.
+    pub(super) fn root_of(&self, surfaces: Option<Surfaces>) -> Option<Root> {
+        surfaces.map_or(self.root, |surfaces| self.surfaces[surfaces as usize])
+    }
+
     /// What is built so far.
     pub fn census(&self) -> TreeContents {
         let below = self.demand.iter().flat_map(Demand::built);
@@ -86,24 +95,25 @@ impl Tree {
     /// The boxes of this many levels of nodes below the root, or of leaves above: together they contain
     /// every hit, more tightly than the root's own.
     pub(super) fn outline(&self, levels: usize) -> Vec<Aabb> {
-        let mut boxes: Vec<_> = self.root.iter().map(|root| (root.place, root.bounds)).collect();
+        let mut parts: Vec<_> = self.root.into_iter().collect();
         for _ in 0..levels {
-            boxes = boxes.into_iter().flat_map(|part| self.below(part)).collect();
+            parts = parts.into_iter().flat_map(|part| self.below(part)).collect();
         }
-        boxes.into_iter().map(|(_, bounds)| bounds).collect()
+        parts.into_iter().map(|part| part.bounds).collect()
     }
 
     /// The children of a node with their boxes, or a leaf itself.
-    fn below(&self, (place, bounds): (Ref, Aabb)) -> Vec<(Ref, Aabb)> {
+    pub(super) fn below(&self, part: Root) -> Vec<Root> {
+        let Root { place, .. } = part;
         if place.kind() != Kind::Node {
-            return vec![(place, bounds)];
+            return vec![part];
         }
         let node = self.arena.view().node(place);
         let lanes = 0..node.count as usize;
         let child = |lane| {
             let plane = |side: usize| [0, 1, 2].map(|axis: usize| node.planes[axis][side][lane]);
             let bounds = Aabb { low: plane(0).into(), high: plane(1).into() };
-            (child_of(node, place, lane), bounds)
+            Root { place: child_of(node, place, lane), bounds }
         };
         lanes.map(child).collect()
     }
@@ -117,8 +127,8 @@ impl Tree {
 
     /// Calls `visit` for each node and leaf with its box, clipped by the boxes of all nodes above.
     pub(super) fn walk(&self, mut visit: impl FnMut(Ref, &Aabb)) {
-        let mut waiting: Vec<_> = self.root.iter().map(|root| (root.place, root.bounds)).collect();
-        while let Some((place, bounds)) = waiting.pop() {
+        let mut waiting: Vec<_> = self.root.into_iter().collect();
+        while let Some(Root { place, bounds }) = waiting.pop() {
             let place = self.known(place).unwrap_or(place);
             visit(place, &bounds);
             if place.kind() == Kind::Node {
@@ -126,8 +136,8 @@ impl Tree {
                     low: own.low.max(bounds.low),
                     high: own.high.min(bounds.high),
                 };
-                let below = self.below((place, bounds)).into_iter();
-                waiting.extend(below.map(|(child, own)| (child, clipped(own))));
+                let below = self.below(Root { place, bounds }).into_iter();
+                waiting.extend(below.map(|own| Root { bounds: clipped(own.bounds), ..own }));
             }
         }
     }

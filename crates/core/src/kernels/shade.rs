@@ -252,16 +252,18 @@ impl Visible {
         self.least < self.half_level
     }
 
-    /// Whether a ray of this weight goes on.
+    /// Whether rays of these weights go on.
     #[inline(always)]
-    pub fn goes_on(&self, weight: Vec3) -> bool {
-        weight.max_element() > 0.0 && weight.max_element() >= self.least
+    pub fn goes_on<F: Single>(&self, weight: Vector<F>) -> F::Mask {
+        let largest = weight.x.max(weight.y.max(weight.z));
+        largest.gt(largest.zero()) & largest.ge(largest.same(self.least))
     }
 
-    /// Whether a ray of this weight is faint.
+    /// Whether rays of these weights are faint.
     #[inline(always)]
-    pub fn is_faint(&self, weight: Vec3) -> bool {
-        weight.max_element() < self.half_level
+    pub fn is_faint<F: Single>(&self, weight: Vector<F>) -> F::Mask {
+        let largest = weight.x.max(weight.y.max(weight.z));
+        largest.lt(largest.same(self.half_level))
     }
 
     /// Whether light of a faint ray of this weight counts: that of something of this brightness.

@@ -7,7 +7,7 @@
 use glam::{DVec3, Vec3};
 
 use super::ShadingPoint;
-use crate::math::float::{dot_f64, normalize_f64};
+use crate::math::{Mask, Real, Single, Vector};
 
 /// How a surface lets light through.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,80 +31,109 @@ pub struct Transparency {
     pub thin: bool,
 }
 
-/// Refracted light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Refracted {
+/// Refracted light, in each lane of a mask.
+#[derive(Clone, Copy, Debug)]
+pub struct Refracted<F: Single> {
+    /// The lanes with refracted light.
+    pub asked: F::Mask,
     /// Its weight.
-    pub weight: Vec3,
+    pub weight: Vector<F>,
     /// The direction away from the viewer that it comes from, of unit length: that of the ray, to
     /// the last bit, where nothing bends it.
-    pub direction: Vec3,
+    pub direction: Vector<F>,
     /// Whether it was bent about the shading normal, not the geometric one.
-    pub smooth: bool,
+    pub smooth: F::Mask,
     /// The index of refraction on the viewer's side over that beyond.
-    pub ratio: f64,
+    pub ratio: F::Double,
 }
+
+/// The mirrored share of light, the directions from which the rest comes, and the lanes in which there is a rest.
+type Through<D> = (D, Vector<D>, <D as Real>::Mask);
 
 impl Transparency {
     /// How light along `point.view`, towards the viewer, is made up: the weight of mirrored light by
     /// Fresnel's equations alone, and refracted light, if not all is mirrored. `iors` are the indices of
     /// refraction on the viewer's side and beyond, of which a thin sheet takes its own.
-    pub fn split(&self, point: &ShadingPoint<f32>, iors: [f32; 2]) -> (f32, Option<Refracted>) {
-        let [view, normal, shading] =
-            [point.view, point.normal, point.shading_normal].map(|v| Vec3::from(v).as_dvec3());
-        let [before, beyond] = if self.thin { [1.0, self.ior] } else { iors }.map(f64::from);
-        let ratio = before / beyond;
-        let through = |normal| self.through(view, normal, ratio);
-        // An interpolated normal may bend a ray to its own side.
-        let leaves = |direction: DVec3| dot_f64(direction, normal) < 0.0;
-        let ((mirrored, direction), smooth) = match through(shading) {
-            (_, Some(direction)) if !leaves(direction) => (through(normal), false),
-            found => (found, true),
+    #[inline(always)]
+    pub fn split<F: Single>(
+        &self,
+        point: &ShadingPoint<F>,
+        [before, beyond]: [F; 2],
+    ) -> (F, Refracted<F>) {
+        let token = before.token();
+        let (view, normal) = (point.view.widen(), point.normal.widen());
+        let one = before.widen().same(1.0);
+        let ratio = match self.thin {
+            true => one / one.same(self.ior.into()),
+            false => before.widen() / beyond.widen(),
         };
-        let weight = f64::from(self.kt) * (1.0 - mirrored);
-        let refracted = direction.filter(|&direction| weight > 0.0 && leaves(direction));
-        let refracted = refracted.map(|direction| Refracted {
-            weight: self.tint(point.color.into()) * weight as f32,
-            direction: direction.as_vec3(),
-            smooth,
+        let zero = one.zero();
+        let (mut mirrored, mut direction, mut rest) =
+            self.through(view, point.shading_normal.widen(), ratio);
+        // An interpolated normal may bend a ray to its own side.
+        let turns = rest & !direction.dot(normal).lt(zero);
+        if turns.any() {
+            let flat = self.through(view, normal, ratio);
+            mirrored = Real::select(turns, flat.0, mirrored);
+            direction = Vector::select(turns, flat.1, direction);
+            rest = rest & !turns | turns & flat.2;
+        }
+        let kt = one.same(self.kt.into());
+        let weight = kt * (one - mirrored);
+        let asked = rest & weight.gt(zero) & direction.dot(normal).lt(zero);
+        let refracted = Refracted {
+            asked: F::mask(token, asked.bits()),
+            weight: self.tint(point.color).scale(F::narrow(weight)),
+            direction: Vector::narrow(direction),
+            smooth: F::mask(token, !turns.bits()),
             ratio,
-        });
-        ((f64::from(self.kt) * mirrored) as f32, refracted)
+        };
+        (F::narrow(kt * mirrored), refracted)
     }
 
     /// The colour of refracted light at a point with this base colour, which counts once on the way
     /// into a solid and out of it.
-    pub fn tint(&self, base: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn tint<F: Single>(&self, base: Vector<F>) -> Vector<F> {
+        let color = Vector::splat(base.x.token(), self.color);
         match (self.tinted, self.thin) {
-            (false, _) => self.color,
-            (true, true) => self.color * base,
-            (true, false) => self.color * Vec3::from(base.to_array().map(f32::sqrt)),
+            (false, _) => color,
+            (true, true) => color * base,
+            (true, false) => color * Vector::new(base.x.sqrt(), base.y.sqrt(), base.z.sqrt()),
         }
     }
 
-    /// The share of light that is mirrored, and the unit direction from which the rest comes.
-    fn through(&self, view: DVec3, normal: DVec3, ratio: f64) -> (f64, Option<DVec3>) {
+    /// Of light along `view`, at surfaces with this `normal`.
+    #[inline(always)]
+    fn through<D: Real<Element = f64>>(
+        &self,
+        view: Vector<D>,
+        normal: Vector<D>,
+        ratio: D,
+    ) -> Through<D> {
+        let (zero, one) = (ratio.zero(), ratio.same(1.0));
         // Rounding, and interpolated normals, may give a little less than 0.
-        let cosine = dot_f64(view, normal).clamp(0.0, 1.0);
+        let cosine = view.dot(normal).max(zero).min(one);
         let mirrored = self.reflectance(cosine, ratio);
         // Unbent, a ray keeps its direction to the last bit.
-        if self.thin || ratio == 1.0 {
-            return (mirrored, Some(-view));
+        let unbent = if self.thin { one.eq(one) } else { ratio.eq(one) };
+        if !(!unbent).any() {
+            return (mirrored, -view, unbent);
         }
-        let beyond = cosine_beyond(cosine, ratio);
-        let bent =
-            beyond.map(|beyond| normalize_f64(normal * (ratio * cosine - beyond) - view * ratio));
-        (mirrored, bent)
+        let (beyond, leaves) = cosine_beyond(cosine, ratio);
+        let bent = normal.scale(ratio * cosine - beyond) - view.scale(ratio);
+        let direction = Vector::select(unbent, -view, bent.normalize_wide());
+        (mirrored, direction, unbent | leaves)
     }
 
     /// The share of mirrored light for the `cosine` of the angle to the normal. A thin sheet
     /// mirrors at both sides, again and again: 2 F / (1 + F).
-    fn reflectance(&self, cosine: f64, ratio: f64) -> f64 {
-        if ratio == 1.0 {
-            return 0.0;
-        }
+    #[inline(always)]
+    fn reflectance<D: Real<Element = f64>>(&self, cosine: D, ratio: D) -> D {
+        let one = ratio.same(1.0);
         let once = fresnel(cosine, ratio);
-        if self.thin { 2.0 * once / (1.0 + once) } else { once }
+        let all = if self.thin { once.times(2.0) / (one + once) } else { once };
+        D::select(ratio.eq(one), ratio.zero(), all)
     }
 
     /// The share of each channel of light that passes the surface straight, where it has this `opacity`
@@ -119,7 +148,8 @@ impl Transparency {
         let mirrored = self.reflectance(cosine, a.min(b) / a.max(b));
         let refracted = f64::from(self.kt) * (1.0 - mirrored);
         let opacity = f64::from(opacity);
-        DVec3::splat(1.0 - opacity) + self.tint(base).as_dvec3() * (opacity * refracted)
+        let tint = Vec3::from(self.tint::<f32>(base.into())).as_dvec3();
+        DVec3::splat(1.0 - opacity) + tint * (opacity * refracted)
     }
 }
 
@@ -134,20 +164,23 @@ pub fn remaining(absorption: Vec3, length: f64) -> DVec3 {
     DVec3::new(libm::exp(exponent.x), libm::exp(exponent.y), libm::exp(exponent.z))
 }
 
-/// The cosine of the refracted ray's angle to the normal by Snell's law; `None` for total internal
-/// reflection.
-fn cosine_beyond(cosine: f64, ratio: f64) -> Option<f64> {
-    let square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
-    (square > 0.0).then(|| square.sqrt())
+/// The cosine of the refracted ray's angle to the normal by Snell's law, and the lanes in which there is one:
+/// those without total internal reflection.
+#[inline(always)]
+fn cosine_beyond<D: Real<Element = f64>>(cosine: D, ratio: D) -> (D, D::Mask) {
+    let one = ratio.same(1.0);
+    let square = one - ratio * ratio * (one - cosine * cosine);
+    (square.sqrt(), square.gt(ratio.zero()))
 }
 
 /// The reflectance of a smooth dielectric, by Fresnel's equations for unpolarised light: `cosine` of
 /// the angle to the normal, `ratio` of the index of refraction on this side over that beyond.
-pub fn fresnel(cosine: f64, ratio: f64) -> f64 {
-    let Some(beyond) = cosine_beyond(cosine, ratio) else { return 1.0 };
+#[inline(always)]
+pub fn fresnel<D: Real<Element = f64>>(cosine: D, ratio: D) -> D {
+    let (beyond, leaves) = cosine_beyond(cosine, ratio);
     let across = (ratio * cosine - beyond) / (ratio * cosine + beyond);
     let along = (ratio * beyond - cosine) / (ratio * beyond + cosine);
-    (across * across + along * along) / 2.0
+    D::select(leaves, (across * across + along * along) / ratio.same(2.0), ratio.same(1.0))
 }
 
 #[cfg(test)]
@@ -188,7 +221,7 @@ mod tests {
             absorption: Vec3::ZERO,
             thin: true,
         };
-        let base = Vec3::new(0.25, 1.0, 0.0);
+        let base = Vector::<f32>::from(Vec3::new(0.25, 1.0, 0.0));
         assert_eq!(through.tint(base), base);
         through.thin = false;
         assert_eq!(through.tint(base) * through.tint(base), base);

@@ -160,6 +160,16 @@ pub trait Single: Real<Element = f32> {
     /// Loads the first [`Real::LANES`] of `values`.
     fn from_slice(token: Self::Token, values: &[f32]) -> Self;
 
+    /// The `number` of each lane.
+    #[inline(always)]
+    fn lanes(token: Self::Token, number: impl Fn(usize) -> f32) -> Self {
+        let mut row = Self::Row::default();
+        for (lane, value) in row.as_mut().iter_mut().enumerate() {
+            *value = number(lane);
+        }
+        Self::load(token, &row)
+    }
+
     /// Stores to the first of `values`.
     fn store(self, values: &mut [f32]);
 

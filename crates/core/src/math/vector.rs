@@ -151,6 +151,18 @@ impl<F: Single> Vector<F> {
         Self::new(F::load(token, x), F::load(token, y), F::load(token, z))
     }
 
+    /// The `vector` of each lane.
+    #[inline(always)]
+    pub fn lanes(token: F::Token, vector: impl Fn(usize) -> Vec3) -> Self {
+        let mut rows = <[F::Row; 3]>::default();
+        let [x, y, z] = &mut rows;
+        for lane in 0..F::LANES {
+            let v = vector(lane);
+            (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (v.x, v.y, v.z);
+        }
+        Self::load(token, &rows)
+    }
+
     /// The vector in lane `i`.
     #[inline(always)]
     pub fn lane(&self, i: usize) -> Vec3 {

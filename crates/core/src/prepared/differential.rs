@@ -8,7 +8,7 @@ use super::{Group, GroupHits, PreparedScene, SampleCounts, three};
 use crate::accel::Hit;
 use crate::geometry::ShadingKind;
 use crate::kernels::differential::turn_between;
-use crate::kernels::{Differential, Refracted, ShadingPoint, shade};
+use crate::kernels::{Differential, ShadingPoint, shade};
 use crate::math::{Line, Mask, Ray, Single, Vector, both};
 use crate::plan::schedule::Step;
 
@@ -37,24 +37,18 @@ impl PreparedScene {
         found
     }
 
-    /// The differential of the ray that is mirrored at `point`, or `refracted`, from that of `ray`, which arrives
-    /// there with `hit` and has its own differential, or that of a camera ray.
-    pub fn turned(
+    /// The differential of the mirror ray at `point`, from that of `ray`, which arrives there with `hit` and has its
+    /// own differential, or that of a camera ray.
+    pub fn mirrored(
         &self,
         carried: Option<Differential>,
         (ray, hit): (&Ray, &Hit),
         point: &ShadingPoint<f32>,
-        refracted: Option<&Refracted>,
         look_ups: &mut SampleCounts,
     ) -> Differential {
         look_ups.footprints += 1;
-        let (group, line) = (self.group(ray, hit), Line::from(ray));
-        let hits = (self.accel.geometry().kind(hit.primitive), &line, hit.t);
-        let Some(&Refracted { direction, ratio, smooth, .. }) = refracted else {
-            return group.mirrored(self, hits, &|_| carried, point);
-        };
-        let from = self.incoming_differentials(line.direction, &|_| carried);
-        group.turned(self, hits, &from, (point, smooth), Some((direction.into(), ratio)))
+        let hits = (self.accel.geometry().kind(hit.primitive), &Line::from(ray), hit.t);
+        self.group(ray, hit).mirrored(self, hits, &|_| carried, point)
     }
 }
 
@@ -77,7 +71,7 @@ impl<F: Single> Group<F> {
     /// The differentials of the rays that turn at the points about their interpolated normals if `smooth`,
     /// else about the geometric ones: see [`Differential::turned`].
     #[inline(always)]
-    fn turned(
+    pub(super) fn turned(
         &self,
         scene: &PreparedScene,
         (kind, line, t): GroupHits<'_, F>,

@@ -8,13 +8,14 @@
 
 use glam::Vec3;
 
-use super::{Branch, MediumStack, PreparedScene, Shape, Sides};
+use super::{MediumStack, PreparedScene, Shape, Sides};
 use crate::accel::{Hit, Traversal};
 use crate::kernels::{Arithmetic, ShadingPoint, SurfacePoint, Transparency};
 use crate::math::float::{max, offset_of_error};
-use crate::math::{Ray, Vector};
+use crate::math::{Mask, Ray, Single, Vector};
 
 /// What lies where a ray meets a transparent surface.
+#[derive(Clone, Copy)]
 pub(super) struct Interface {
     /// The media on both sides.
     pub(super) sides: Sides,
@@ -26,11 +27,19 @@ pub(super) struct Interface {
     pub(super) tint: Vec3,
     /// What behind the last surface is so close that the origin of a bent ray would be beyond.
     pub(super) close: Option<Hit>,
-    /// The next hit of the ray behind the last surface, if it is known.
-    pub(super) next: Option<Hit>,
-    /// The media behind the first surface, and the hit next to it, if it is known.
+    /// The next hit of the ray behind the last surface, if it is known; else a miss.
+    pub(super) next: Hit,
+    /// The media behind the first surface, and the hit next to it, if it is known; else a miss.
     pub(super) behind: MediumStack,
-    pub(super) second: Option<Hit>,
+    pub(super) second: Hit,
+}
+
+impl Interface {
+    /// The direction to the side of the last surface on which bent rays start.
+    pub(super) fn side(&self) -> Vec3 {
+        let normal = Vec3::from(self.last.normal);
+        if self.close.is_some() { normal } else { -normal }
+    }
 }
 
 /// A hit and its position.
@@ -48,6 +57,18 @@ pub(super) struct InterfaceHit {
     leaves: bool,
 }
 
+impl InterfaceHit {
+    /// A hit at the shading point in a lane.
+    #[inline(always)]
+    pub(super) fn at<F: Single>(hit: &Hit, points: &ShadingPoint<F>, lane: usize) -> Self {
+        let vector = |of: &Vector<F>| Vector::<f32>::from(of.lane(lane));
+        let [point, error, normal] =
+            [vector(&points.point), vector(&points.error), vector(&points.normal)];
+        let leaves = points.inside.bits() >> lane & 1 == 1;
+        Self { hit: *hit, point, error, normal, depth: close_depth(error.element_sum()), leaves }
+    }
+}
+
 /// At smaller cosines of the angle to the normal, nothing farther along a ray is taken for close.
 pub(super) const LEAST_COSINE: f32 = 1.0 / 64.0;
 
@@ -58,32 +79,22 @@ pub(super) fn close_depth(error: f32) -> f32 {
 }
 
 impl PreparedScene {
-    /// What lies where the ray of `incoming` meets a surface with this `transparency`.
+    /// What lies where `ray`, inside of `media`, meets a surface with this `transparency`.
     pub(super) fn interface<P: Arithmetic>(
         &self,
-        incoming: &Branch,
-        (hit, point): (&Hit, &ShadingPoint<f32>),
+        (ray, media): (&Ray, MediumStack),
+        first: InterfaceHit,
         transparency: &Transparency,
         traversal: &mut Traversal,
     ) -> Interface {
-        let (ray, media) = (&incoming.ray, incoming.state.media);
-        let shape = self.shape(hit);
-        let [error, normal] = [point.error, point.normal];
-        let depth = close_depth(error.element_sum());
-        let mut last = InterfaceHit {
-            hit: *hit,
-            point: point.point,
-            depth,
-            error,
-            normal,
-            leaves: point.inside,
-        };
-        let (crossed, mut next) = self.crossed::<P>(ray, &last, traversal);
+        let InterfaceHit { hit, leaves: from_behind, .. } = first;
+        let (shape, mut last) = (self.shape(&hit), first);
+        let (crossed, mut next) = self.crossed::<P>(ray, &first, traversal);
         // Along an edge, what it encloses may not be entered.
         let mut sides = Sides { before: media, beyond: media };
         if let Some(crossed) = crossed {
             let leaves =
-                if crossed == *hit { point.inside } else { self.surface_of::<P>(ray, &crossed).1 };
+                if crossed == hit { from_behind } else { self.surface_of::<P>(ray, &crossed).1 };
             sides = self.sides(media, shape, leaves, &mut traversal.media);
         }
         let (behind, second) = (sides.beyond, next);
@@ -116,6 +127,7 @@ impl PreparedScene {
             next = self.crossed::<P>(ray, &last, traversal).1;
         }
         let is_there = crossed.is_some() && (shape.solid.is_none() || self.differ(&sides));
+        let [next, second] = [next, second].map(|hit| hit.unwrap_or(Hit::MISS));
         Interface { sides, is_there, last, tint, close, next, behind, second }
     }
 
@@ -127,23 +139,20 @@ impl PreparedScene {
         at: &InterfaceHit,
         traversal: &mut Traversal,
     ) -> (Option<Hit>, Option<Hit>) {
-        let InterfaceHit { hit, depth, .. } = *at;
+        let InterfaceHit { hit, depth, leaves, .. } = *at;
         let cosine = Vector::from(ray.direction).dot(at.normal).abs();
         let end = hit.t + depth / max(cosine, LEAST_COSINE);
         let near =
             Ray { t_min: hit.t.next_down(), t_max: max(end, hit.t.next_up()).next_up(), ..*ray };
-        let mut hits = std::mem::take(&mut traversal.crossed);
+        let mut crossings = std::mem::take(&mut traversal.crossed);
         let search = self.accel.search::<P>();
-        search.crossings(&near, traversal, &mut hits);
+        search.crossings(&near, traversal, &mut crossings);
         let instanced = search.closest_instanced(&near, traversal);
-        if !instanced.is_miss() {
-            let before = hits.partition_point(|other| other.t <= instanced.t);
-            hits.insert(before, instanced);
-        }
+        let hits = crossings.with(instanced);
         let is_hit = |other: &Hit| *other == hit;
         // A ball may be crossed twice at one rounded t.
         let index =
-            if at.leaves { hits.iter().rposition(is_hit) } else { hits.iter().position(is_hit) };
+            if leaves { hits.iter().rposition(is_hit) } else { hits.iter().position(is_hit) };
         let shape = self.appearance.shape_of(hit.primitive);
         let index = index.or_else(|| {
             hits.iter().position(|other| {
@@ -155,7 +164,7 @@ impl PreparedScene {
             |index| index + 1,
         );
         let found = (index.map(|index| hits[index]), hits.get(behind).copied());
-        traversal.crossed = hits;
+        traversal.crossed = crossings;
         found
     }
 

@@ -8,7 +8,7 @@
 use glam::{DVec3, Vec3};
 
 use super::{PreparedScene, Shape};
-use crate::accel::Traversal;
+use crate::accel::{Crossings, Traversal};
 use crate::kernels::Arithmetic;
 use crate::kernels::transmission::remaining;
 use crate::math::Ray;
@@ -129,12 +129,12 @@ impl PreparedScene {
         }
         // No usual axis, so that few lines run in planes or through edges.
         let line = Vec3::new(0.48, 0.64, 0.6);
-        let mut hits = Vec::new();
+        let mut crossings = Crossings::default();
         let mut counts = [line, -line].map(|direction| {
             let ray = Ray::new(self.camera.origin(), direction);
-            self.accel.search::<P>().crossings(&ray, traversal, &mut hits);
+            self.accel.search::<P>().crossings(&ray, traversal, &mut crossings);
             let mut left = vec![0_i32; self.solids.len()];
-            for hit in &hits {
+            for hit in crossings.hits() {
                 let shape = &self.appearance.shapes[self.appearance.shape_of(hit.primitive)];
                 if let Some(solid) = shape.solid {
                     let (_, leaves) = self.surface_of::<P>(&ray, hit);

@@ -9,24 +9,20 @@ use glam::{DVec3, Vec3};
 
 use super::interface::{LEAST_COSINE, close_depth};
 use super::{Face, Group, MappedHits, MediumStack, PreparedScene, SampleCounts, Shape, set};
-use crate::accel::{Hit, Rays, Traversal};
-use crate::geometry::ShadingKind;
+use crate::accel::{Crossings, Rays, Traversal};
+use crate::geometry::{ShadingKind, Surfaces};
 use crate::kernels::Arithmetic;
 use crate::math::float::{dot, max};
 use crate::math::multisets::Multisets;
 use crate::math::{Line, Mask, Ray, Single, Vector};
-
-/// Crossings from which no more rays are added to the list: enough for long spans, and so few that
-/// they stay in the second-level cache.
-const MOST_CROSSINGS: usize = 1024;
 
 /// Shadow rays and the transparent surfaces that they cross.
 #[derive(Clone, Debug, Default)]
 pub struct ShadowCrossings {
     rays: Vec<CrossingRay>,
     crossings: Vec<Crossing>,
-    /// Memory for the hits of a ray.
-    hits: Vec<Hit>,
+    /// Memory for what the rays cross.
+    crossed: Crossings,
 }
 
 /// A shadow ray that crosses transparent surfaces, or starts where light is absorbed.
@@ -69,23 +65,37 @@ struct Crossing {
 }
 
 impl PreparedScene {
-    /// Replaces the list by what rays from the number `first` on cross, but for those that
-    /// are `occluded`, until it is long enough; `media` tells what a ray starts inside of. Returns the number
-    /// of the next ray.
+    /// Replaces the list by what the rays from the number `first` on cross, but for those that are
+    /// `occluded`: as many as together cross not too much. `media` tells what a ray starts inside of. Returns
+    /// the number of the next ray.
     pub fn collect_crossings<P: Arithmetic>(
         &self,
-        rays: Rays<'_>,
-        (first, occluded): (usize, &[bool]),
+        (rays, first): (Rays<'_>, usize),
+        occluded: &mut [bool],
         media: &dyn Fn(usize) -> MediumStack,
         list: &mut ShadowCrossings,
         traversal: &mut Traversal,
     ) -> usize {
-        let ShadowCrossings { rays: found, crossings, hits, .. } = list;
+        let ShadowCrossings { rays: found, crossings, crossed, .. } = list;
         found.clear();
         crossings.clear();
+        let left_out = &mut occluded[first..];
+        let asked = (Some(Surfaces::Transparent), &mut *left_out);
+        let search = self.accel.search::<P>();
+        let count = search.crossings_of(rays.without(first), asked, traversal, crossed);
+        let absorbs = self.solids.iter().any(|solid| solid.absorption != Vec3::ZERO);
         let mut shape = 0;
-        let mut add = |number: usize, hits: &[Hit]| {
-            let (ray, media) = (rays.ray(number), media(number));
+        for ((number, hits), _) in
+            (first..).zip(crossed.of_rays()).zip(left_out).filter(|(_, left_out)| !**left_out)
+        {
+            if hits.is_empty() && !absorbs {
+                continue;
+            }
+            let media = media(number);
+            if hits.is_empty() && self.medium(&media).absorption == Vec3::ZERO {
+                continue;
+            }
+            let ray = rays.ray(number);
             let length = f64::from(dot(ray.direction, ray.direction)).sqrt();
             let index = found.len() as u32;
             crossings.extend(hits.iter().map(|hit| {
@@ -98,16 +108,12 @@ impl PreparedScene {
                     ..Crossing::default()
                 }
             }));
-            if !hits.is_empty() || self.medium(&media).absorption != Vec3::ZERO {
-                let direction = (ray.direction.as_dvec3() / length).as_vec3();
-                let distance = f64::from(ray.t_max) * length;
-                let unit = Ray { direction, ..ray };
-                found.push(CrossingRay { number, end: crossings.len(), unit, distance, media });
-            }
-            crossings.len().max(found.len()) < MOST_CROSSINGS
-        };
-        let search = self.accel.search::<P>();
-        search.transparent_crossings(rays, (first, occluded), traversal, hits, &mut add)
+            let direction = (ray.direction.as_dvec3() / length).as_vec3();
+            let distance = f64::from(ray.t_max) * length;
+            let unit = Ray { direction, ..ray };
+            found.push(CrossingRay { number, end: crossings.len(), unit, distance, media });
+        }
+        first + count
     }
 
     /// The share of light that passes all transparent surfaces along a shadow ray that nothing else
@@ -121,7 +127,7 @@ impl PreparedScene {
         look_ups: &mut SampleCounts,
     ) -> Vec3 {
         let rays = Rays::Rows(std::slice::from_ref(ray));
-        self.collect_crossings::<P>(rays, (0, &[false]), &|_| media, list, traversal);
+        self.collect_crossings::<P>((rays, 0), &mut [false], &|_| media, list, traversal);
         if list.rays.is_empty() {
             return Vec3::ONE;
         }
@@ -144,10 +150,10 @@ impl ShadowCrossings {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let Self { rays, crossings, hits } = self;
+        let Self { rays, crossings, crossed } = self;
         rays.capacity() * size_of::<CrossingRay>()
             + crossings.capacity() * size_of::<Crossing>()
-            + hits.capacity() * size_of::<Hit>()
+            + crossed.bytes()
     }
 
     /// The `i`th crossing, with `i` in place of its ray, and its kind.

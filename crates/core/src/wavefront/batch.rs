@@ -13,15 +13,16 @@ use glam::Vec3;
 
 use crate::accel::{Hit, RayColumns, Rays as AllRays};
 use crate::kernels::Differential;
-use crate::math::{LANES, Line, Mask, Ray, Single, Vector};
+use crate::math::{LANES, Line, Mask, Ray, Single, Vector, set_bits};
 use crate::plan::schedule::ColumnGroup;
-use crate::prepared::{MediumStack, PathState, PreparedScene, ShadowCrossings};
+use crate::prepared::{MediumStack, PathState, PreparedScene, ScatteredRays, ShadowCrossings};
+use crate::wavefront::Seen;
 use crate::wavefront::faces::SortedHits;
 use columns::Column;
 
 pub use branches::BranchStacks;
 pub use columns::Vectors;
-pub(super) use columns::room;
+pub(super) use columns::{is_row, room};
 pub use lit::{LitPoints, Tints};
 
 columns! {
@@ -171,6 +172,8 @@ pub struct Batch {
     pub media: Vec<MediumStack>,
     /// Rays that wait until the rays before them on their path are done.
     pub waiting: BranchStacks,
+    /// What each path shows, if that is asked for in place of light: see [`Sight`](super::Sight).
+    pub seen: Vec<Seen>,
     /// Memory for which paths have a next ray.
     continued: Vec<bool>,
     /// Memory for sorting hits, for shade and shadow.
@@ -204,6 +207,7 @@ impl Batch {
             next_starts: Vec::new(),
             media: Vec::new(),
             waiting: BranchStacks::with_capacity(room(ColumnGroup::Branches)),
+            seen: Vec::new(),
             continued: Vec::new(),
             sorted: SortedHits::new(scene.appearance.classes.len()),
             crossings: ShadowCrossings::default(),
@@ -237,6 +241,26 @@ impl Batch {
             self.next_starts.resize(columns::room(self.capacity), 0.0);
         }
         self.next_starts[self.next_states.len() - 1] = t_min;
+    }
+
+    /// Appends those of the scattered rays that come `next`, a bit each, of these paths.
+    #[inline(always)]
+    pub fn push_scattered<F: Single>(
+        &mut self,
+        token: F::Token,
+        rays: &ScatteredRays<F>,
+        next: u32,
+        path: &[u32; LANES],
+    ) {
+        let ScatteredRays { line, t_min, throughput, states, differential, .. } = rays;
+        self.next.provide();
+        self.next.push_lanes(line, *throughput, F::mask(token, next), path);
+        for lane in set_bits::<LANES>(next) {
+            self.push_state(states[lane], t_min.lane(lane));
+            if let Some(differential) = differential {
+                self.push_differential(differential.lane(lane));
+            }
+        }
     }
 
     /// Appends the differential of a next ray.

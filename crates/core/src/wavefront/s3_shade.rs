@@ -3,16 +3,19 @@
 //! Misses and lights are handled at once; other hits wait in [`faces`] and are shaded together: hits
 //! on plain classes by the kind of primitive, others by class and kind. So nothing branches by hit.
 
+mod scatter;
+
 use glam::Vec3;
 
-use super::{GROUPS, SortedHits, Vectors, Wavefront, faces};
+use super::batch::is_row;
+use super::{GROUPS, SortedHits, Wavefront, faces};
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::geometry::ShadingKind;
 use crate::kernels::shade::mirror_request;
-use crate::kernels::{Arithmetic, Differential, MirrorRequest, ShadingPoint, Transparency};
+use crate::kernels::{Arithmetic, Differential, MirrorRequest, ShadingPoint};
 use crate::math::{AnyWidth, LANES, Line, Mask, Single, Vector, dispatch_any_width, set_bits};
 use crate::plan::schedule::Step;
-use crate::prepared::{Branch, Face, Group, PathState, PreparedScene, SampleCounts};
+use crate::prepared::{Face, Group, PathState, PreparedScene, SampleCounts};
 use crate::tile::TimedPass;
 
 impl<P: Arithmetic> Wavefront<P> {
@@ -20,6 +23,7 @@ impl<P: Arithmetic> Wavefront<P> {
     /// are left, the next rays.
     pub(super) fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
         let (batch, schedule) = (&mut self.batch, scene.plan.schedule());
+        let sees = !batch.seen.is_empty();
         batch.lit.clear();
         batch.tints.clear();
         batch.next.clear();
@@ -29,16 +33,32 @@ impl<P: Arithmetic> Wavefront<P> {
             scene,
             bounce,
             differentials: scene.carries_differentials(),
-            shadows: schedule.has_shadows(),
+            sees,
+            shadows: schedule.has_shadows() && !sees,
             tints: schedule.runs(Step::Tints),
             mirrors: schedule.has_mirrors()
+                && !sees
                 && (bounce < scene.bounces || schedule.has_transmission()),
             transmits: schedule.has_transmission(),
-            needs_t: scene.needs_t(),
+            needs_t: scene.needs_t() || sees,
             tracer: self,
         };
         dispatch_any_width(scene.accel.level, shade);
     }
+}
+
+/// Hits of a group, with their rays and shading points.
+#[derive(Clone, Copy)]
+pub(super) struct Shaded<'a, F: Single> {
+    pub(super) group: &'a Group<F>,
+    kind: ShadingKind,
+    line: Line<F>,
+    t: F,
+    /// The numbers of the rays, and of their paths.
+    pub(super) numbers: [u32; LANES],
+    pub(super) path: [u32; LANES],
+    throughput: Vector<F>,
+    pub(super) point: ShadingPoint<F>,
 }
 
 struct Shade<'a, P> {
@@ -47,6 +67,8 @@ struct Shade<'a, P> {
     bounce: u32,
     /// Whether rays from surfaces have differentials.
     differentials: bool,
+    /// Whether to keep what paths show, in place of light.
+    sees: bool,
     /// Whether to collect lit points, and mirror rays.
     shadows: bool,
     mirrors: bool,
@@ -115,6 +137,9 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
 impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
+        if self.sees {
+            return self.tracer.batch.see_nothing(i);
+        }
         let state = self.state(i);
         if let Some(color) = self.scene.escaped(self.tracer.batch.rays.direction.get(i), &state) {
             self.light(i, color);
@@ -148,6 +173,9 @@ impl<P: Arithmetic> Shade<'_, P> {
 
     #[inline(always)]
     fn light(&mut self, i: usize, color: Vec3) {
+        if self.sees {
+            return self.tracer.batch.see_light::<P>(self.scene, i, color);
+        }
         let path = self.tracer.batch.rays.path[i] as usize;
         let weight =
             self.scene.shown(&self.state(i), self.tracer.batch.rays.throughput.get(i), color);
@@ -191,40 +219,80 @@ impl<P: Arithmetic> Shade<'_, P> {
                 let rays = &self.tracer.batch.rays;
                 let ray = |i| rays.ray(i);
                 let with_corners = self.tracer.needs_points;
-                for group in faces::fetch(groups, faces, with_corners, self.scene, ray) {
-                    self.group(token, group, kind);
+                let groups = faces::fetch(groups, faces, with_corners, self.scene, ray);
+                let class = groups.first().map(|group| group.class(&self.scene.appearance));
+                match class.and_then(|class| class.transparency.as_ref()) {
+                    Some(through) if self.transmits => {
+                        for group in groups {
+                            F::outlined(
+                                token,
+                                #[inline(always)]
+                                || self.scatter(token, (group, kind), through),
+                            );
+                        }
+                    }
+                    _ => {
+                        for group in groups {
+                            self.group(token, group, kind);
+                        }
+                    }
                 }
             },
         );
     }
 
-    /// Shades hits on surfaces of one kind.
+    /// Shades hits on opaque surfaces of one kind.
     #[inline(always)]
     fn group<F: Single>(&mut self, token: F::Token, group: &Group<F>, kind: ShadingKind) {
-        let rays = &self.tracer.batch.rays;
-        let numbers = group.faces.map(|face| face.ray);
-        let throughput = fetch(token, &rays.throughput, &numbers);
-        let path = numbers.map(|ray| rays.path[ray as usize]);
-        let class = group.class(&self.scene.appearance);
-        group.count(class, &mut self.tracer.counters.samples);
-        if !self.tracer.needs_points {
-            let light = group.colors(token).scale(F::splat(token, self.scene.ambient));
-            self.add(group.used, &path, throughput * light);
+        if self.tracer.needs_points {
+            let shaded = self.shaded(token, group, kind);
+            self.add_light(&shaded, shaded.throughput);
+            if self.mirrors {
+                self.mirror(token, &shaded);
+            }
             return;
         }
-        let origin = fetch(token, &rays.origin, &numbers);
-        let line = Line { origin, direction: fetch(token, &rays.direction, &numbers) };
-        let hits = (kind, &line, self.distances::<F>(token, kind, &numbers));
+        let numbers = group.faces.map(|face| face.ray);
+        let rays = &self.tracer.batch.rays;
+        let throughput = rays.throughput.gather(token, &numbers);
+        let path = numbers.map(|ray| rays.path[ray as usize]);
+        group.count(group.class(&self.scene.appearance), &mut self.tracer.counters.samples);
+        let light = group.colors(token).scale(F::splat(token, self.scene.ambient));
+        self.add(group.used, &path, throughput * light);
+    }
+
+    /// The shading points of hits on surfaces of one kind.
+    #[inline(always)]
+    fn shaded<'g, F: Single>(
+        &mut self,
+        token: F::Token,
+        group: &'g Group<F>,
+        kind: ShadingKind,
+    ) -> Shaded<'g, F> {
+        let rays = &self.tracer.batch.rays;
+        let numbers = group.faces.map(|face| face.ray);
+        let throughput = rays.throughput.gather(token, &numbers);
+        let path = numbers.map(|ray| rays.path[ray as usize]);
+        let origin = rays.origin.gather(token, &numbers);
+        let line = Line { origin, direction: rays.direction.gather(token, &numbers) };
+        let t = self.distances::<F>(token, kind, &numbers);
+        group.count(group.class(&self.scene.appearance), &mut self.tracer.counters.samples);
         let mut look_ups = SampleCounts::default();
         let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
-        let scene = self.scene;
-        let point = group.shading_points::<P>(hits, scene, &carried, &mut look_ups);
-        let scattering = class.transparency.as_ref().filter(|_| self.transmits);
-        let throughput = match scattering {
-            None => throughput,
-            Some(through) => self.scatter(group, through, (&point, throughput), &mut look_ups),
-        };
+        let hits = (kind, &line, t);
+        let point = group.shading_points::<P>(hits, self.scene, &carried, &mut look_ups);
         self.tracer.counters.samples += look_ups;
+        Shaded { group, kind, line, t, numbers, path, throughput, point }
+    }
+
+    /// Adds the light that surfaces send to the rays themselves, with these throughputs, and collects lit points.
+    #[inline(always)]
+    fn add_light<F: Single>(&mut self, shaded: &Shaded<'_, F>, throughput: Vector<F>) {
+        if self.sees {
+            return self.tracer.batch.see(shaded, throughput);
+        }
+        let Shaded { group, numbers, path, point, .. } = shaded;
+        let scene = self.scene;
         let [mut own, mut direct] = [throughput; 2];
         if self.transmits && scene.visible.has_faint() {
             for lane in set_bits::<LANES>(group.used) {
@@ -237,67 +305,43 @@ impl<P: Arithmetic> Shade<'_, P> {
             }
         }
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
-        self.add(group.used, &path, own * local);
+        self.add(group.used, path, own * local);
         if self.shadows && point.lit.any() {
             self.tracer.batch.lit.provide();
-            self.tracer.batch.lit.push_lanes(&point, direct, &path);
+            self.tracer.batch.lit.push_lanes(point, direct, path);
             if self.tints {
                 self.tracer.batch.tints.provide();
-                self.tracer.batch.tints.push_lanes(&point);
-            }
-        }
-        if self.mirrors
-            && scattering.is_none()
-            && let Some(mut next) = mirror_request(&point, throughput)
-        {
-            self.tracer.batch.next.provide();
-            if self.transmits {
-                next.asked =
-                    next.asked & F::mask(token, self.mirror_states(&numbers, next.asked.bits()));
-            }
-            let MirrorRequest { line, throughput, asked } = next;
-            self.tracer.batch.next.push_lanes(&line, throughput, asked, &path);
-            if self.differentials {
-                let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
-                let mirrored = F::outlined(
-                    token,
-                    #[inline(always)]
-                    || group.mirrored(scene, hits, &carried, &point),
-                );
-                let asked = asked.bits();
-                self.tracer.counters.samples.footprints += u64::from(asked.count_ones());
-                set_bits::<LANES>(asked)
-                    .for_each(|lane| self.tracer.batch.push_differential(mirrored.lane(lane)));
+                self.tracer.batch.tints.push_lanes(point);
             }
         }
     }
 
-    /// Scatters the paths at points of transparent surfaces, with these throughputs. Returns those of
-    /// the light that the surfaces send to the rays themselves.
-    #[inline(never)]
-    fn scatter<F: Single>(
-        &mut self,
-        group: &Group<F>,
-        transparency: &Transparency,
-        (points, mut throughputs): (&ShadingPoint<F>, Vector<F>),
-        look_ups: &mut SampleCounts,
-    ) -> Vector<F> {
-        for lane in set_bits::<LANES>(group.used) {
-            let i = group.faces[lane].ray as usize;
-            let (ray, hit) = (self.tracer.batch.ray(i), self.tracer.batch.hits[i]);
-            let (throughput, state) = (throughputs.lane(lane), self.state(i));
-            let differential = self.carried_differential(i);
-            let incoming = Branch { ray, throughput, state, differential };
-            let point = points.lane(lane);
-            let memory = (&mut self.tracer.traversal, &mut *look_ups);
-            let (own, branches) =
-                self.scene.scatter::<P>(&incoming, &hit, transparency, &point, memory);
-            throughputs.set_lane(lane, own);
-            let path = self.tracer.batch.rays.path[i];
-            let branches = branches.into_iter().rev().flatten();
-            branches.for_each(|branch| self.tracer.batch.waiting.push(path, branch));
+    /// Collects the mirror rays of opaque surfaces.
+    #[inline(always)]
+    fn mirror<F: Single>(&mut self, token: F::Token, shaded: &Shaded<'_, F>) {
+        let Shaded { group, kind, line, t, numbers, path, throughput, point } = shaded;
+        let Some(mut next) = mirror_request(point, *throughput) else { return };
+        self.tracer.batch.next.provide();
+        if self.transmits {
+            let kept = self.mirror_states(numbers, next.asked.bits());
+            next.asked = next.asked & F::mask(token, kept);
         }
-        throughputs
+        let MirrorRequest { line: mirrored, throughput, asked } = next;
+        self.tracer.batch.next.push_lanes(&mirrored, throughput, asked, path);
+        if self.differentials {
+            let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
+            let (hits, scene) = ((*kind, line, *t), self.scene);
+            let mirrored = F::outlined(
+                token,
+                #[inline(always)]
+                || group.mirrored(scene, hits, &carried, point),
+            );
+            let asked = asked.bits();
+            self.tracer.counters.samples.footprints += u64::from(asked.count_ones());
+            for lane in set_bits::<LANES>(asked) {
+                self.tracer.batch.push_differential(mirrored.lane(lane));
+            }
+        }
     }
 
     /// The t of the hits, where it matters: exact points of triangles follow from the rays alone.
@@ -343,25 +387,5 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn carried_differential(&self, ray: usize) -> Option<Differential> {
         (self.bounce > 0 && self.differentials).then(|| self.tracer.batch.differentials[ray])
-    }
-}
-
-/// Whether the lanes' numbers are consecutive.
-#[inline(always)]
-fn is_row<F: Single>(numbers: &[u32; LANES]) -> bool {
-    let mut row = true;
-    for (lane, &number) in numbers.iter().enumerate().take(F::LANES) {
-        row &= number == numbers[0].wrapping_add(lane as u32);
-    }
-    row
-}
-
-/// The vectors of these rows.
-#[inline(always)]
-fn fetch<F: Single>(token: F::Token, column: &Vectors, rows: &[u32; LANES]) -> Vector<F> {
-    if is_row::<F>(rows) {
-        column.load(token, rows[0] as usize)
-    } else {
-        column.gather(token, rows)
     }
 }

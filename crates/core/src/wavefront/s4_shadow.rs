@@ -64,16 +64,15 @@ impl<P: Arithmetic> Wavefront<P> {
 
     /// Takes the light from unoccluded shadow rays that transparent surfaces keep.
     #[inline(never)]
-    fn weaken(&mut self, scene: &PreparedScene, occluded: &[bool]) {
+    fn weaken(&mut self, scene: &PreparedScene, occluded: &mut [bool]) {
         let Self { batch, traversal, counters, .. } = self;
         let Batch { shadows, crossings, sorted, media, .. } = batch;
         let mut next = 0;
         while next < occluded.len() {
-            let rays = shadows.all(None, SHADOW_END);
+            let rays = (shadows.all(None, SHADOW_END), next);
             let path = &shadows.path;
             let inside = |ray: usize| media[path[ray] as usize];
-            next =
-                scene.collect_crossings::<P>(rays, (next, occluded), &inside, crossings, traversal);
+            next = scene.collect_crossings::<P>(rays, occluded, &inside, crossings, traversal);
             let precision = PhantomData::<P>;
             let look_ups = &mut counters.samples;
             let evaluated = EvaluatedCrossings { scene, crossings, sorted, look_ups, precision };

@@ -97,7 +97,7 @@ fn largest(material: Material, surface: &SurfaceComponents<'_>) -> Material {
 
 /// The weight of the mirror ray; 0 if that could show nothing.
 pub(super) fn mirrored(material: &components::Material, frame: &Frame) -> f32 {
-    if frame.visible.goes_on(material.mirrors()) { material.kr as f32 } else { 0.0 }
+    if frame.visible.goes_on::<f32>(material.mirrors().into()) { material.kr as f32 } else { 0.0 }
 }
 
 /// The material with the weights of a base colour, metalness and roughness.

@@ -20,7 +20,7 @@ use super::{BuildPlan, ChunkSizes, Piece, ROOM_OF_LISTED};
 use crate::accel::arena::{self, MAX_UNITS, NODE_UNITS};
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::accel::{Arena, Chunk, Demand, Kind, Root, Tree, Unit, Units};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Surfaces};
 use crate::kernels::Aabb;
 use crate::math::LANES;
 use wavecrest_base::progress;
@@ -31,7 +31,7 @@ const REINSERTED: f32 = 0.2;
 /// Builds the tree; there is none over nothing, nor over a scene that needs more room than `cut`
 /// gives.
 pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: ChunkSizes) -> Option<Tree> {
-    let Chunks { entries, chunks } = chunks;
+    let Chunks { entries, chunks, counts } = chunks;
     let parts = if chunks.len() == 1 { 1 } else { cut.parts };
     // A piece may open its last node for more parts than were asked for.
     let ahead = ahead((parts + LANES) * chunks.len());
@@ -49,13 +49,13 @@ pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: ChunkSizes) -> Option
         Some(own)
     };
     let parts: Option<Vec<_>> = chunks.into_par_iter().map_init(Piece::default, build).collect();
-    joined(plan, units, entries, ahead, &parts?.concat())
+    joined(plan, (units, ahead), entries, &of_surfaces(&parts?, counts).map(<[_]>::concat))
 }
 
 /// A tree whose chunks are built by the rays that reach them; `None` if there is no room for it and
 /// as much for everything else.
 pub(super) fn on_demand(plan: &BuildPlan, chunks: Chunks) -> Option<Tree> {
-    let Chunks { entries, chunks } = chunks;
+    let Chunks { entries, chunks, counts } = chunks;
     let ahead = ahead(chunks.len());
     let room = chunks.len() + entries.len() * Demand::MOST_UNITS;
     if ahead + room > MAX_UNITS {
@@ -73,7 +73,8 @@ pub(super) fn on_demand(plan: &BuildPlan, chunks: Chunks) -> Option<Tree> {
         Some(Part { bounds, kind: Kind::List, unit, cost: 0.0 })
     };
     let parts: Option<Vec<_>> = chunks.iter().enumerate().map(place).collect();
-    let tree = joined(plan, units, entries, ahead, &parts?)?;
+    let parts = of_surfaces(&parts?, counts).map(<[_]>::to_vec);
+    let tree = joined(plan, (units, ahead), entries, &parts)?;
     let unbuilt = |(entries, _)| Chunk { entries, built: OnceLock::new() };
     let chunks = chunks.into_iter().map(unbuilt).collect();
     Some(Tree { demand: Some(Demand { extents: plan.extents, chunks }), ..tree })
@@ -85,46 +86,81 @@ fn ahead(parts: usize) -> usize {
     NODE_UNITS * (parts + LANES)
 }
 
-/// The tree of `parts`, which are in `units` behind the room `ahead`.
-fn joined(
-    plan: &BuildPlan,
-    mut units: Units,
-    numbers: Vec<AtomicU32>,
-    ahead: usize,
-    parts: &[Part],
-) -> Option<Tree> {
-    let (top, kind, bounds) = join(plan.geometry, parts, ahead)?;
-    units.begin_with(&top, ahead)?;
-    let place = arena::root_of(kind);
-    let (arena, census) = Arena::new(units, numbers, place)?;
-    Some(Tree { arena, root: Some(Root { place, bounds }), census, ..Tree::default() })
+/// What chunks gave, by kind of surfaces, of which there are so many chunks.
+fn of_surfaces<T>(all: &[T], counts: [usize; 3]) -> [&[T]; 3] {
+    let mut rest = all;
+    counts.map(|count| rest.split_off(..count).unwrap_or_default())
 }
 
-/// The nodes that join the chunks' parts, to be placed up to unit `end`; and the kind of the first
-/// with its box.
-fn join(geometry: &Geometry, parts: &[Part], end: usize) -> Option<(Vec<Unit>, Kind, Aabb)> {
-    let boxes: Vec<_> = parts.iter().map(|part| to_obvhs(part.bounds)).collect();
-    let mut bvh = PlocBuilder::new().build(
-        PlocSearchDistance::Low,
-        &boxes,
-        (0..boxes.len() as u32).collect(),
-        BvhBuildParams::medium_build().sort_precision,
-        0,
-    );
-    ReinsertionOptimizer::default().run(&mut bvh, REINSERTED, None);
-    let mut converter = Converter::default();
-    converter.evaluate(&bvh, |owner| Owner::Part(parts[owner as usize]));
-    // The start of the nodes follows from their number: they are written twice.
-    let (mut start, mut kind) = (0, Kind::Node);
-    let mut output = Output::default();
-    for _ in 0..2 {
-        output.units.clear();
-        let moved = |owner: u32| {
-            let part = parts[owner as usize];
-            Owner::Part(Part { unit: part.unit - start, ..part })
-        };
-        kind = converter.emit(geometry, &bvh, moved, 0, &mut output);
-        start = end.checked_sub(output.units.len())?;
+/// The tree of the parts of each kind of surfaces, which are in `units` behind the room `ahead`.
+fn joined(
+    plan: &BuildPlan,
+    (mut units, ahead): (Units, usize),
+    numbers: Vec<AtomicU32>,
+    parts: &[Vec<Part>; 3],
+) -> Option<Tree> {
+    let mut above = Above { units: Vec::new(), start: ahead };
+    // From the last to the first, as each is written before those that are there.
+    let mut own = [None; Surfaces::ALL.len()];
+    for (own, parts) in own.iter_mut().zip(parts).rev() {
+        *own = above.join(plan.geometry, parts);
     }
-    Some((output.units, kind, from_obvhs(bvh.nodes.first()?.aabb())))
+    let whole = above.join(plan.geometry, &own.into_iter().flatten().collect::<Vec<_>>())?;
+    units.begin_with(&above.units, ahead)?;
+    let root = Root { place: arena::root_of(whole.kind), bounds: whole.bounds };
+    let (arena, census) = Arena::new(units, numbers, root.place)?;
+    let mut tree = Tree { arena, root: Some(root), census, ..Tree::default() };
+    let parts: Vec<_> = match own.iter().flatten().count() {
+        1 => vec![root],
+        _ => tree.below(root),
+    };
+    for (surfaces, part) in tree.surfaces.iter_mut().zip(own) {
+        let is_there =
+            |root: &&Root| Some(root.place.unit() + above.start) == part.map(|of| of.unit);
+        *surfaces = parts.iter().find(is_there).copied();
+    }
+    Some(tree)
+}
+
+/// The nodes above parts.
+struct Above {
+    units: Vec<Unit>,
+    /// The place of the first.
+    start: usize,
+}
+
+impl Above {
+    /// Joins some parts by nodes, which come before those that are there; `None` without parts.
+    fn join(&mut self, geometry: &Geometry, parts: &[Part]) -> Option<Part> {
+        if let [] | [_] = parts {
+            return parts.first().copied();
+        }
+        let boxes: Vec<_> = parts.iter().map(|part| to_obvhs(part.bounds)).collect();
+        let mut bvh = PlocBuilder::new().build(
+            PlocSearchDistance::Low,
+            &boxes,
+            (0..boxes.len() as u32).collect(),
+            BvhBuildParams::medium_build().sort_precision,
+            0,
+        );
+        ReinsertionOptimizer::default().run(&mut bvh, REINSERTED, None);
+        let mut converter = Converter::default();
+        converter.evaluate(&bvh, |owner| Owner::Part(parts[owner as usize]));
+        let bounds = from_obvhs(bvh.nodes.first()?.aabb());
+        // The start of the nodes follows from their number: they are written twice.
+        let (mut unit, mut kind) = (0, Kind::Node);
+        let mut output = Output::default();
+        for _ in 0..2 {
+            output.units.clear();
+            let moved = |owner: u32| {
+                let part = parts[owner as usize];
+                Owner::Part(Part { unit: part.unit - unit, ..part })
+            };
+            kind = converter.emit(geometry, &bvh, moved, 0, &mut output);
+            unit = self.start.checked_sub(output.units.len())?;
+        }
+        self.start = unit;
+        self.units.splice(..0, output.units);
+        Some(Part { bounds, kind, unit, cost: converter.cost(0) })
+    }
 }

@@ -6,8 +6,9 @@
 //! becomes a balanced tree ([`Heaps::open`]): its leaves are full, so that triangles are tested eight
 //! at a time.
 //!
-//! Of opaque triangles with the same corners only the first enters the tree, and of the shapes of lights: a ray
-//! meets all of them at the same t, where the lowest number wins. What is transparent or cut out shows the others.
+//! Of opaque triangles with the same corners only the first enters the tree, and of the shapes of lights, which
+//! are no members of the same heap: a ray meets all of them at the same t, where the lowest number wins. What is
+//! transparent or cut out shows the others.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -127,8 +128,7 @@ fn ordered(geometry: &Geometry, mut members: Vec<(Entry, Aabb)>) -> Vec<(Entry, 
         let bits = |v: u32| (geometry.positions[v as usize] + 0.0).to_array().map(f32::to_bits);
         let mut corners = corners.map(bits);
         corners.sort_unstable();
-        // Shadow rays pass the triangles of lights.
-        known.insert((corners, geometry.is_passed(single.number)))
+        known.insert(corners)
     });
     members.sort_by(|(_, a), (_, b)| a.half_area().total_cmp(&b.half_area()));
     members

@@ -43,7 +43,10 @@ impl Searched<'_> {
             whole.or_else(|| {
                 // Too deep: its primitives are tested one by one.
                 let numbers = piece.entries.iter().map(|&entry| geometry.number_of(entry));
-                let numbers: Vec<_> = numbers.collect();
+                let mut numbers: Vec<_> = numbers.collect();
+                // Both halves of a quad.
+                numbers.sort_unstable();
+                numbers.dedup();
                 piece.output.clear(0);
                 piece.output.list(&numbers);
                 arena.extend(&piece.output.units, Kind::List, 0)

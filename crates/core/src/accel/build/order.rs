@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::Vec3;
 use obvhs::ploc::morton::morton_encode_u32;
 
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Surfaces};
 use crate::kernels::Aabb;
 use crate::kernels::triangle::is_degenerate;
 use wavecrest_base::parallel;
@@ -34,6 +34,8 @@ pub(super) struct Chunks {
     pub(super) entries: Vec<AtomicU32>,
     /// The entries of each chunk, all of them in turn, and a box around them. No chunk is empty.
     pub(super) chunks: Vec<(Range<usize>, Aabb)>,
+    /// The number of chunks of each kind of surfaces, which come in this order.
+    pub(super) counts: [usize; Surfaces::ALL.len()],
 }
 
 /// A box around everything that `geometry` holds itself.
@@ -43,26 +45,38 @@ pub(super) fn extents(geometry: &Geometry) -> Aabb {
         .union(around(quadrics.len(), |i| quadrics[i].bounds()))
 }
 
-/// Orders the entries that can be hit, all but triangles without area, and cuts them into chunks of
-/// at most `most`. Boxes of chunks are computed only `with_boxes`.
+/// Orders the entries that can be hit, all but triangles without area, by kind of surfaces, and cuts
+/// them into chunks of at most `most` of a kind. Boxes of chunks are computed only `with_boxes`.
 pub(super) fn chunks(
     geometry: &Geometry,
     extents: &Aabb,
     (most, with_boxes): (usize, bool),
 ) -> Chunks {
-    let order = EntryOrder { geometry, most, with_boxes };
-    if geometry.entries() > most {
-        return order.arrange(None, extents);
+    let mut all = Chunks::default();
+    for surfaces in Surfaces::ALL {
+        let order = EntryOrder { geometry, surfaces, most, with_boxes };
+        let own = match surfaces {
+            Surfaces::Opaque => order.of_surfaces(extents),
+            _ if geometry.passed.is_empty() => Chunks::default(),
+            _ => order.of_surfaces(extents),
+        };
+        let before = all.entries.len();
+        let moved = |(part, bounds)| (moved(part, before), bounds);
+        all.counts[surfaces as usize] = own.chunks.len();
+        all.chunks.extend(own.chunks.into_iter().map(moved));
+        if before == 0 {
+            all.entries = own.entries;
+        } else {
+            all.entries.extend(own.entries);
+        }
     }
-    let entries = (0..geometry.entries() as u32).filter(|&entry| order.is_met(entry));
-    let entries: Vec<_> = entries.map(AtomicU32::new).collect();
-    let chunks = if entries.is_empty() { Vec::new() } else { vec![(0..entries.len(), *extents)] };
-    Chunks { entries, chunks }
+    all
 }
 
-/// How to order the entries of a scene.
+/// How to order the entries of a scene, those of a kind of surfaces.
 struct EntryOrder<'a> {
     geometry: &'a Geometry,
+    surfaces: Surfaces,
     most: usize,
     with_boxes: bool,
 }
@@ -79,10 +93,26 @@ struct Block {
 }
 
 impl EntryOrder<'_> {
+    /// Its entries that can be hit.
+    fn of_surfaces(&self, extents: &Aabb) -> Chunks {
+        if self.geometry.entries() > self.most {
+            return self.arrange(None, extents);
+        }
+        let entries = (0..self.geometry.entries() as u32).filter(|&entry| self.is_met(entry));
+        let entries: Vec<_> = entries.map(AtomicU32::new).collect();
+        let whole = (0..entries.len(), *extents);
+        let chunks = if entries.is_empty() { Vec::new() } else { vec![whole] };
+        Chunks { entries, chunks, ..Chunks::default() }
+    }
+
     #[inline(always)]
     fn is_met(&self, entry: u32) -> bool {
-        let index = entry as usize;
-        index >= self.geometry.triangles.len() || !is_degenerate(&self.geometry.triangle(index))
+        let (geometry, index) = (self.geometry, entry as usize);
+        let has_area =
+            index >= geometry.triangles.len() || !is_degenerate(&geometry.triangle(index));
+        let is_own = geometry.passed.is_empty()
+            || geometry.surfaces_of(geometry.number_of(entry)) == self.surfaces;
+        has_area && is_own
     }
 
     /// Sorts `members`, or all entries, by the cells of a grid in `bounds`, and cuts.
@@ -160,7 +190,7 @@ impl EntryOrder<'_> {
                 _ => chunks.push((run, bounds)),
             }
         }
-        Chunks { entries, chunks }
+        Chunks { entries, chunks, ..Chunks::default() }
     }
 
     /// The chunks of a run of `entries`, in a box.
@@ -187,11 +217,14 @@ impl EntryOrder<'_> {
         own.iter().zip(finer.entries).for_each(|(entry, new)| {
             entry.store(new.into_inner(), Ordering::Relaxed);
         });
-        let moved = |(part, bounds): (Range<usize>, Aabb)| {
-            (run.start + part.start..run.start + part.end, bounds)
-        };
+        let moved = |(part, bounds)| (moved(part, run.start), bounds);
         finer.chunks.into_iter().map(moved).collect()
     }
+}
+
+/// A range behind that many entries.
+fn moved(Range { start, end }: Range<usize>, by: usize) -> Range<usize> {
+    start + by..end + by
 }
 
 /// Halves the range of cells until each part has at most `most` entries or is one cell. Returns the

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::frame::GroupTest;
 use super::tile::OpenPair;
-use super::{GROUPS, RayTile, TILE, TileBatch, WIDTH, load};
+use super::{GROUPS, RayTile, TILE, TileBatch, WIDTH, load, number_of};
 use crate::accel::arena::LeafHead;
 use crate::accel::{Best, Kind, Query, Ref, Searched, leaf};
 use crate::counters::TestCounts;
@@ -32,7 +32,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
         } else {
             self.test_together(tile, place, rays)
         };
-        if is_closer && !Q::ANY {
+        if is_closer && Q::NEAREST {
             tile.tighten(self.simd);
         }
     }
@@ -51,12 +51,9 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
             if met == 0 {
                 continue;
             }
-            if Q::ANY && self.noted.is_noting {
-                let is_passed = self.searched.transparent(place, met) != 0;
-                tile.passing |= u64::from(is_passed) << i;
-            }
-            let found = (place, hits);
-            if leaf::take::<S, Q, P>(self.simd, self.searched, &ray, found, &mut best, self.tests) {
+            let (ray, found) = ((&ray, tile.block + number_of(i)), (place, hits));
+            let memory = (&mut *self.tests, &mut *self.query);
+            if leaf::take::<S, Q, P>(self.simd, self.searched, ray, found, &mut best, memory) {
                 is_closer = true;
                 if Q::ANY {
                     tile.done |= 1 << i;
@@ -73,17 +70,12 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     fn test_together(&mut self, tile: &mut RayTile, place: Ref, rays: u64) -> bool {
         let arena = self.searched.tree.arena.view();
         let &LeafHead { first, count, quads, .. } = arena.head(place);
-        if !Q::ANY {
+        if Q::NEAREST {
             arena.prefetch_numbers(first);
         }
         self.tests.primitives.count_triangles(count, quads, rays.count_ones());
-        let mut used = leaf::first_lanes(count);
-        let kept = if Q::ANY { self.searched.without_passed(place, used) } else { used };
-        if Q::ANY {
-            let beside = if self.noted.is_noting { used & !kept } else { 0 };
-            used = kept | self.searched.transparent(place, beside);
-        }
         tile.frame(self.simd);
+        let used = leaf::first_lanes(count);
         let prepared = tile.frame.prepare::<S, P>(self.simd, arena, place, used);
         let mut is_closer = false;
         for triangle in set_bits::<LANES>(prepared.some) {
@@ -101,12 +93,11 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                 else {
                     continue;
                 };
-                if Q::ANY && kept >> triangle & 1 == 0 {
-                    let met = (met.inside | met.open) & !tile.beyond(self.simd, g, &met);
-                    tile.passing |= u64::from(met & active) << (g * WIDTH);
+                let at = (g, (place, triangle));
+                if Q::ALL {
+                    self.cross(tile, at, &met);
                     continue;
                 }
-                let at = (g, (place, triangle));
                 let (has_hits, open) =
                     tile.take::<S, Q, P>(self.simd, self.searched, at, &met, self.tests);
                 is_closer |= has_hits;
@@ -117,6 +108,20 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
             }
         }
         is_closer
+    }
+
+    /// Gives the query what the rays of the `g`th group cross.
+    #[inline(always)]
+    fn cross(&mut self, tile: &RayTile, (g, at): (usize, (Ref, usize)), met: &GroupTest<S>) {
+        let [certain, open] = tile.within(self.simd, g, met);
+        let open = if P::IS_FAST { 0 } else { open };
+        let [low, high]: [[f32; WIDTH]; 2] = met.t.map(Into::into);
+        for lane in set_bits::<WIDTH>(certain | open) {
+            let i = g * WIDTH + lane;
+            let ray = (&tile.ray(i), tile.block + number_of(i));
+            let t = (certain >> lane & 1 == 1).then_some([low[lane], high[lane]]);
+            leaf::cross::<Q, P>(self.searched, ray, (at, t), (self.tests, self.query));
+        }
     }
 
     /// Notes a pair of a ray and a triangle of a leaf that single precision leaves open, and settles
@@ -184,19 +189,28 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     /// Tests the primitives of a list with the rays.
     #[inline(always)]
     fn visit_list(&mut self, tile: &mut RayTile, place: Ref, rays: u64) {
-        let Self { simd, searched, tests, noted, .. } = self;
+        let Self { simd, searched, tests, query, .. } = self;
         outlined(
             *simd,
             #[inline(always)]
             || {
                 let Searched { tree, geometry, .. } = *searched;
                 for (entry, &number) in tree.arena.view().list(place).iter().enumerate() {
-                    let is_passed = Q::ANY && geometry.is_passed(number);
-                    if is_passed && !(noted.is_noting && geometry.is_transparent(number)) {
+                    let at = (place, entry);
+                    if Q::ALL {
+                        for i in
+                            set_bits::<TILE>(tile.meeting::<S, P>(*simd, geometry, number, rays))
+                        {
+                            let ray = (&tile.ray(i), tile.block + number_of(i));
+                            leaf::cross_listed::<Q, P>(
+                                *searched,
+                                ray,
+                                (at, number),
+                                (tests, query),
+                            );
+                        }
                         continue;
                     }
-                    let at = (place, entry);
-                    let before = tile.done;
                     match geometry.primitive(number) {
                         Primitive::Quadric(i) => {
                             let quadric = &geometry.quadrics[i];
@@ -205,10 +219,6 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                             );
                         }
                         _ => meet_each::<Q, P>(*searched, tile, number, at, rays, tests),
-                    }
-                    if is_passed {
-                        tile.passing |= tile.done & !before;
-                        tile.done = before;
                     }
                 }
             },
@@ -229,12 +239,9 @@ impl RayTile {
         tests: &mut TestCounts,
     ) -> (bool, u32) {
         let GroupTest { t: [low, high], inside, open } = met;
-        let (t_min, t_max) = (load(simd, &self.t_min, g), load(simd, &self.t_max, g));
-        let within = (low.simd_gt(t_min) & high.simd_lt(t_max)).bits();
         if Q::ANY {
-            let beyond = self.beyond(simd, g, met);
-            let certain = inside & within;
-            let open = if P::IS_FAST { 0 } else { (inside | open) & !(certain | beyond) };
+            let [certain, open] = self.within(simd, g, met);
+            let open = if P::IS_FAST { 0 } else { open };
             let certain = self.without_holes::<S, P>(searched, (g, at), certain, *low, tests);
             self.done |= u64::from(certain) << (g * WIDTH);
             return (certain != 0, open);
@@ -242,6 +249,8 @@ impl RayTile {
         // A NaN is neither certain nor beyond, nor is a t that overflows.
         let size = SimdBase::max(SimdBase::abs(*low), SimdBase::abs(*high));
         let finite = size.simd_le(f32::MAX).bits();
+        let (t_min, t_max) = (load(simd, &self.t_min, g), load(simd, &self.t_max, g));
+        let within = (low.simd_gt(t_min) & high.simd_lt(t_max)).bits();
         let best = [load(simd, &self.low, g), load(simd, &self.high, g)];
         let beyond = (high.simd_le(t_min) | low.simd_gt(best[1])).bits() & finite;
         let closer = inside & within & high.simd_lt(best[0]).bits();
@@ -253,19 +262,21 @@ impl RayTile {
         (closer != 0, open)
     }
 
-    /// The rays of the `g`th group whose range of t a triangle is certainly outside of.
+    /// The rays of the `g`th group that certainly meet a triangle within their ranges, and those that may.
     #[inline(always)]
-    fn beyond<S: Lanes>(
+    fn within<S: Lanes>(
         &self,
         simd: S,
         g: usize,
-        GroupTest { t: [low, high], .. }: &GroupTest<S>,
-    ) -> u32 {
+        GroupTest { t: [low, high], inside, open }: &GroupTest<S>,
+    ) -> [u32; 2] {
         let (t_min, t_max) = (load(simd, &self.t_min, g), load(simd, &self.t_max, g));
+        let certain = inside & (low.simd_gt(t_min) & high.simd_lt(t_max)).bits();
         // A NaN is not beyond, nor is a t that overflows.
         let size = SimdBase::max(SimdBase::abs(*low), SimdBase::abs(*high));
         let beyond = high.simd_le(t_min) | low.simd_ge(t_max);
-        (beyond & size.simd_le(f32::MAX)).bits()
+        let beyond = (beyond & size.simd_le(f32::MAX)).bits();
+        [certain, (inside | open) & !(certain | beyond)]
     }
 
     /// Those of `hits`, a bit for each ray of the `g`th group, that are not in holes.

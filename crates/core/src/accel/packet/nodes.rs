@@ -9,7 +9,7 @@ use crate::accel::{ArenaView, Node, Query, Ref, child_of, distance, widened};
 use crate::math::{LANES, Lanes, entry};
 
 /// Queues the children of the node at `place` that `rays` of the tile meet: the nearest last, or for
-/// any-hit queries the largest.
+/// other queries than the closest hit the largest.
 #[inline(always)]
 pub(super) fn visit<S: Lanes, Q: Query>(
     simd: S,
@@ -24,10 +24,10 @@ pub(super) fn visit<S: Lanes, Q: Query>(
     let mut met = [0; LANES];
     let some = some.to_bitmask() as u8;
     let entries = simd.entries(near, lanes);
-    if Q::ANY {
-        simd.compress(&entries, some, &mut met);
-    } else {
+    if Q::NEAREST {
         simd.far_to_near(&entries, some, &mut met);
+    } else {
+        simd.compress(&entries, some, &mut met);
     }
     let all = all.to_bitmask();
     for &child in &met[..some.count_ones() as usize % (LANES + 1)] {

@@ -11,7 +11,7 @@ use crate::accel::best::exact_t;
 use crate::accel::query::ANY_HIT;
 use crate::accel::{ArenaView, Best, Hit, NO_PRIMITIVE, Query, Ref, Searched, widened};
 use crate::counters::TestCounts;
-use crate::geometry::Quadric;
+use crate::geometry::{Geometry, Primitive, Quadric};
 use crate::kernels::triangle::settle;
 use crate::kernels::{Arithmetic, ShearedSpace};
 use crate::math::{LANES, Lanes, Line, Mask, Ray, Real, Single, Vector, set_bits};
@@ -46,8 +46,6 @@ pub(super) struct RayTile {
     pub(super) rays: u64,
     /// Rays that are done.
     pub(super) done: u64,
-    /// Rays that pass a primitive of this leaf, if that is asked for.
-    pub(super) passing: u64,
     /// Whether rays continue elsewhere, which takes their t.
     pub(super) is_left: bool,
     /// Places still to visit, the next one last, and their number.
@@ -174,6 +172,28 @@ impl RayTile {
         }
     }
 
+    /// Those of the `rays` that may cross a primitive of a list, a bit each: not more than meet it.
+    #[inline(always)]
+    pub(super) fn meeting<S: Lanes, P: Arithmetic>(
+        &self,
+        simd: S,
+        geometry: &Geometry,
+        number: u32,
+        rays: u64,
+    ) -> u64 {
+        let Primitive::Quadric(i) = geometry.primitive(number) else { return rays };
+        let mut met = 0;
+        for first in (0..TILE).step_by(LANES) {
+            if (rays >> first) as u32 & 0xFF != 0 {
+                let (g, l) = (first / WIDTH % GROUPS, first % WIDTH);
+                let range = [half(simd, &self.t_min, g, l), half(simd, &self.t_max, g, l)];
+                let (_, is_hit) = geometry.quadrics[i].meet::<_, P>(&self.line(simd, g, l), range);
+                met |= u64::from(is_hit.bits()) << first;
+            }
+        }
+        met & rays
+    }
+
     /// Half a group's rays, from `l` on.
     #[inline(always)]
     fn line<S: Lanes>(&self, simd: S, g: usize, l: usize) -> Line<f32x8<S>> {
@@ -208,6 +228,9 @@ impl RayTile {
         tests: &mut TestCounts,
     ) {
         let arena = tree.arena.view();
+        if Q::ALL {
+            return;
+        }
         if Q::ANY {
             self.fill(self.rays & self.done, answers, Q::answer(ANY_HIT));
             self.fill(self.rays & !self.done, answers, Q::answer(Hit::MISS));

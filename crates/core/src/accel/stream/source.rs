@@ -87,6 +87,9 @@ impl RaySource<'_> {
         while self.next < self.rays.count() {
             let number = self.next;
             self.next += 1;
+            if Q::ALL && Q::go_on(answers[number]).is_none() {
+                continue;
+            }
             let Some(ray) = self.prepare::<Q>(number, answers, slot) else { continue };
             stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
             slot.best = Best::none(ray.t_max);

@@ -2,54 +2,88 @@
 
 use crate::prepared::Branch;
 
-/// Rays that wait until the rays before them on their path are done: a stack for each path.
+/// In place of a row.
+const NONE: u32 = u32::MAX;
+
+/// Rays that wait until the rays before them on their path are done. Those that are not faint are a stack for each path;
+/// those that are faint wait below, in their order, as if the others were all: random numbers go by the number of a ray.
 #[derive(Clone, Debug, Default)]
 pub struct BranchStacks {
-    stacks: Vec<Vec<Branch>>,
+    /// The rays of all paths, and rows that are free, each with the row that comes after it.
+    rows: Vec<(Branch, u32)>,
+    free: u32,
+    /// For each path its next ray that is not faint, and its first and last faint one.
+    heads: Vec<[u32; 3]>,
     paths: usize,
 }
 
 impl BranchStacks {
     /// Bytes of a path for which no ray waits.
-    pub const ROW_BYTES: usize = size_of::<Vec<Branch>>();
+    pub const ROW_BYTES: usize = size_of::<[u32; 3]>();
 
     /// None yet, of up to `paths` paths.
     pub fn with_capacity(paths: usize) -> Self {
-        Self { paths, ..Self::default() }
+        Self { paths, free: NONE, ..Self::default() }
     }
 
-    /// Whether no ray ever waited.
+    /// Whether no ray waits.
     pub fn is_empty(&self) -> bool {
-        self.stacks.is_empty()
+        self.heads.is_empty()
     }
 
-    /// Adds a ray to the stack of its path.
+    /// Adds a ray to those of its path.
     pub fn push(&mut self, path: u32, branch: Branch) {
-        if self.stacks.is_empty() {
-            self.stacks.resize(self.paths, Vec::new());
+        if self.heads.is_empty() {
+            self.heads.resize(self.paths, [NONE; 3]);
         }
-        let stack = &mut self.stacks[path as usize];
-        // No more than the path needs; later paths in its place take the same memory.
-        stack.reserve_exact(1);
-        stack.push(branch);
-        Branch::sink(stack, stack.len() - 1);
+        let [next, first, last] = &mut self.heads[path as usize];
+        let is_faint = branch.state.faint;
+        let new = (branch, if is_faint { NONE } else { *next });
+        let row = match self.rows.get_mut(self.free as usize) {
+            Some(free) => {
+                let row = std::mem::replace(&mut self.free, free.1);
+                *free = new;
+                row
+            }
+            None => {
+                self.rows.push(new);
+                self.rows.len() as u32 - 1
+            }
+        };
+        if !is_faint {
+            *next = row;
+            return;
+        }
+        match self.rows.get_mut(*last as usize) {
+            Some(last) => last.1 = row,
+            None => *first = row,
+        }
+        *last = row;
     }
 
-    /// Removes the last ray of the path.
+    /// Removes the next ray of the path.
     pub fn pop(&mut self, path: u32) -> Option<Branch> {
-        self.stacks[path as usize].pop()
+        let [next, first, last] = &mut self.heads[path as usize];
+        let head = if *next == NONE { first } else { next };
+        let row = *head;
+        let (branch, after) = self.rows.get_mut(row as usize)?;
+        *head = std::mem::replace(after, self.free);
+        self.free = row;
+        let branch = *branch;
+        if *last == row {
+            *last = NONE;
+        }
+        Some(branch)
     }
 
     /// Forgets all rays.
     pub fn clear(&mut self) {
-        self.stacks.clear();
+        *self = Self::with_capacity(self.paths);
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let stack =
-            |stack: &Vec<Branch>| size_of_val(stack) + stack.capacity() * size_of::<Branch>();
-        self.stacks.iter().map(stack).sum()
+        self.rows.capacity() * size_of::<(Branch, u32)>() + size_of_val(self.heads.as_slice())
     }
 }
 
@@ -61,29 +95,40 @@ mod tests {
     use crate::math::Ray;
     use crate::prepared::PathState;
 
-    fn branch(bounces: u32) -> Branch {
-        let (ray, state) =
-            (Ray::new(Vec3::ZERO, Vec3::Z), PathState { bounces, ..PathState::default() });
+    fn branch(bounces: u32, faint: bool) -> Branch {
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        let state = PathState { bounces, faint, ..PathState::default() };
         Branch { ray, throughput: Vec3::ONE, state, differential: None }
     }
 
+    /// As on the stack of the recursive tracer, in memory that is used again.
     #[test]
-    fn rays_wait_on_a_stack_whose_memory_is_used_again() {
+    fn the_last_rays_of_a_path_come_first_and_faint_ones_below_all_others() {
         const PATHS: u32 = 13;
-        for bounces in [1, 3, 8] {
-            let mut waiting = BranchStacks::with_capacity(PATHS as usize);
-            for _ in 0..2 {
-                for number in 0..=2 * bounces {
-                    (0..PATHS).for_each(|path| waiting.push(path, branch(number)));
+        let mut waiting = BranchStacks::with_capacity(PATHS as usize);
+        let mut stacks = vec![Vec::new(); PATHS as usize];
+        let mut bytes = Vec::new();
+        for round in 0..6 {
+            for number in 0..40 * PATHS {
+                let (path, faint) = (number * 5 % PATHS, number % 3 == 1);
+                let stack = &mut stacks[path as usize];
+                stack.push(branch(number, faint));
+                Branch::sink(stack, stack.len() - 1);
+                waiting.push(path, branch(number, faint));
+                let other = number * 7 % PATHS;
+                if round % 2 == 1 || number % 4 == 0 {
+                    let of = |branch: Option<Branch>| branch.map(|branch| branch.state);
+                    assert_eq!(of(waiting.pop(other)), of(stacks[other as usize].pop()));
                 }
-                for path in 0..PATHS {
-                    let left = std::iter::from_fn(|| waiting.pop(path));
-                    let left: Vec<u32> = left.map(|branch| branch.state.bounces).collect();
-                    assert_eq!(left, (0..=2 * bounces).rev().collect::<Vec<_>>());
-                }
-                let rays = (2 * bounces as usize + 1) * size_of::<Branch>();
-                assert_eq!(waiting.bytes(), PATHS as usize * (BranchStacks::ROW_BYTES + rays));
             }
+            for (path, stack) in (0..).zip(&mut stacks) {
+                while let Some(expected) = stack.pop() {
+                    assert_eq!(waiting.pop(path).map(|of| of.state), Some(expected.state));
+                }
+                assert!(waiting.pop(path).is_none());
+            }
+            bytes.push(waiting.bytes());
         }
+        assert!(bytes.iter().all(|&held| held == bytes[0]), "{bytes:?}");
     }
 }

@@ -154,13 +154,10 @@ impl Vectors {
     /// The vectors of these rows, one for each lane.
     #[inline(always)]
     pub fn gather<F: Single>(&self, token: F::Token, rows: &[u32; LANES]) -> Vector<F> {
-        let mut gathered = <[F::Row; 3]>::default();
-        let [x, y, z] = &mut gathered;
-        for (lane, &row) in rows.iter().enumerate().take(F::LANES) {
-            let v = self.get(row as usize);
-            (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (v.x, v.y, v.z);
+        if is_row::<F>(rows) {
+            return self.load(token, rows[0] as usize);
         }
-        Vector::load(token, &gathered)
+        Vector::lanes(token, |lane| self.get(rows[lane] as usize))
     }
 
     /// Replaces the vectors from the `i`th on by those of `mask`, packed.
@@ -170,4 +167,14 @@ impl Vectors {
         v.y.pack(mask, &mut self.y[i..i + F::LANES]);
         v.z.pack(mask, &mut self.z[i..i + F::LANES]);
     }
+}
+
+/// Whether the lanes' numbers are consecutive.
+#[inline(always)]
+pub(in crate::wavefront) fn is_row<F: Single>(numbers: &[u32; LANES]) -> bool {
+    let mut row = true;
+    for (lane, &number) in numbers.iter().enumerate().take(F::LANES) {
+        row &= number == numbers[0].wrapping_add(lane as u32);
+    }
+    row
 }
