@@ -17,10 +17,10 @@ use std::time::Instant;
 
 use glam::Vec3;
 
-use crate::camera_rays::{CameraRays, VisibleHit};
+use crate::camera_rays::CameraRays;
 use crate::colormap::{distinct, magma};
 use wavecrest_base::error::Result;
-use wavecrest_core::accel::{Hit, Traversal};
+use wavecrest_core::accel::Hit;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::film::Film;
 use wavecrest_core::geometry::Primitive;
@@ -30,6 +30,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::Order;
 use wavecrest_core::render::{RenderOptions, Rendered, Watch, render_in_order, window};
 use wavecrest_core::tile::Tile;
+use wavecrest_core::wavefront::Seen;
 
 wavecrest_base::choices! {
     /// A kind of image for inspection.
@@ -116,10 +117,10 @@ fn film(
     } else {
         let samples = f64::from(scene.camera.rays_per_pixel());
         let pixels = film.pixels_mut();
-        let color = |hit: &VisibleHit| match look {
-            Look::Normals => hit.normal.to_array().map(|value| 0.5 + 0.5 * value),
-            Look::Ids => distinct(number(scene, hit.hit.primitive)),
-            _ => hit.albedo.to_array(),
+        let color = |seen: &Seen| match look {
+            Look::Normals => seen.normal.to_array().map(|value| 0.5 + 0.5 * value),
+            Look::Ids => distinct(number(scene, seen.hit.primitive)),
+            _ => seen.albedo.to_array(),
         };
         CameraRays { scene, window, seed, watch }.sum(color, &mut |at, sums| {
             let covered = f64::from(sums.hits) / samples;
@@ -172,10 +173,10 @@ fn number(scene: &PreparedScene, primitive: u32) -> u32 {
 fn draw_edges(picture: &mut Film, scene: &PreparedScene, window: Tile, seed: u64) {
     let samples = f64::from(scene.camera.rays_per_pixel());
     let pixels = picture.pixels_mut();
-    let add = |ray: &Ray, hit: &Hit, _: bool, (sum, _): (&mut f64, &mut Traversal)| {
-        *sum += f64::from(covered(scene, ray, hit));
+    let add = |sum: &mut f64, seen: &Seen, _: bool| {
+        *sum += f64::from(covered(scene, &seen.ray, &seen.first));
     };
-    CameraRays { scene, window, seed, watch: &() }.run(&add, &mut |at, covered: &f64| {
+    CameraRays { scene, window, seed, watch: &() }.run(false, &add, &mut |at, covered: &f64| {
         let part = (covered / samples) as f32;
         let mixed = |i: usize| pixels[at][i] + (LINE[i] - pixels[at][i]) * part;
         pixels[at] = [mixed(0), mixed(1), mixed(2)];
