@@ -70,11 +70,9 @@ impl<P: Arithmetic> Sight for Wavefront<P> {
             self.generate(scene, unit, start..end);
             self.intersect(scene);
             self.batch.see_first();
-            let mut bounce = 0;
-            while through {
+            for bounce in 0..if through { MOST_RAYS } else { 0 } {
                 self.shade(scene, bounce);
-                bounce += 1;
-                if bounce == MOST_RAYS || !self.batch.advance() {
+                if !self.batch.advance() {
                     break;
                 }
                 self.intersect(scene);
