@@ -134,7 +134,48 @@ impl Query for Crossed {
     }
 }
 
+/// The query for how much a ray crosses, as filters tell.
+#[derive(Default)]
+struct Counted {
+    certain: u32,
+    open: u32,
+}
+
+impl Query for Counted {
+    type Answer = bool;
+    const ALL: bool = true;
+    const TAKES_OPEN: bool = true;
+
+    fn answer(_: Hit) -> bool {
+        false
+    }
+
+    fn hit(_: bool) -> Hit {
+        Hit::MISS
+    }
+
+    #[inline(always)]
+    fn cross(&mut self, _: usize, at: Best) {
+        let is_certain = at.high < f32::INFINITY;
+        *(if is_certain { &mut self.certain } else { &mut self.open }) += 1;
+    }
+
+    fn counts(kernels: &mut Kernels) -> &mut KernelCounts {
+        &mut kernels.crossed
+    }
+}
+
 impl<P: Arithmetic> Search<'_, P> {
+    /// Whether `ray` certainly crosses one of the scene's own primitives, beside every edge, and certainly no other:
+    /// by filters alone, which may leave that open.
+    pub(crate) fn crosses_one(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
+        let Some(tree) = &self.accel.tree else { return false };
+        let mut counted = Counted::default();
+        let searched = self.part(tree, None, traversal);
+        self.in_tree(searched, (ray, 0), &mut counted, traversal);
+        counted.certain == 1 && counted.open == 0
+    }
+
     /// What `ray` crosses: see [`Accel::crossings`](super::Accel::crossings).
     pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, crossings: &mut Crossings) {
         let rays = Rays::Rows(std::slice::from_ref(ray));

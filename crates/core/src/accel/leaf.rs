@@ -154,12 +154,19 @@ pub(super) fn cross<Q: Query, P: Arithmetic>(
     (tests, query): (&mut TestCounts, &mut Q),
 ) {
     let t = t.or_else(|| {
+        if Q::TAKES_OPEN {
+            return Some([f32::NEG_INFINITY, f32::INFINITY]);
+        }
         tests.settled += 1;
         let t = triangle::crossing(ray, &searched.tree.arena.view().triangle(place, entry))?;
         Some([t, t])
     });
     let hit = t.map(|t| Best::in_leaf(place, entry, t));
-    if let Some(hit) = hit.and_then(|hit| searched.behind_holes::<P>(ray, hit, tests)) {
+    let hit = hit.and_then(|hit| match Q::TAKES_OPEN {
+        true => Some(hit),
+        false => searched.behind_holes::<P>(ray, hit, tests),
+    });
+    if let Some(hit) = hit {
         query.cross(number, hit);
     }
 }

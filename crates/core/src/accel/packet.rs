@@ -200,30 +200,31 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
             self.simd,
             #[inline(always)]
             || {
-                while self.left != 0 || self.next_block(answers) {
+                while self.left != 0 || self.next_block() {
                     let (rays, is_fit) = tile.load(self.simd, &self.rays, self.block, self.left);
                     self.left &= !rays;
                     self.coherence.tiles += 1;
                     let root = entry(f32::NEG_INFINITY, self.root.place.bits());
+                    let asked = self.asked(rays, answers);
                     if !is_fit {
                         // These are left to the other kernel.
-                        self.coherence.unfit += u64::from(rays.count_ones());
-                        for number in numbers(self.block, rays) {
+                        self.coherence.unfit += u64::from(asked.count_ones());
+                        for number in numbers(self.block, asked) {
                             self.handed.add(number, root);
                         }
-                        tile.fill(rays, answers, Q::answer(Hit::MISS));
+                        tile.miss::<Q>(rays, answers);
                         continue;
                     }
                     self.coherence.fit += u64::from(rays.count_ones());
                     if self.ends_as_before(tile) {
                         tile.fill(rays, answers, Q::answer(ANY_HIT));
-                    } else if tile.beam.meets(&self.root.bounds) {
+                    } else if asked != 0 && tile.beam.meets(&self.root.bounds) {
                         tile.prepare(self.simd);
                         tile.clear();
-                        tile.push(true, Visit { entry: root, rays });
+                        tile.push(true, Visit { entry: root, rays: asked });
                         return true;
                     } else {
-                        tile.fill(rays, answers, Q::answer(Hit::MISS));
+                        tile.miss::<Q>(rays, answers);
                     }
                 }
                 false
@@ -231,19 +232,24 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
         )
     }
 
+    /// Those of `rays`, a bit each, that are not to be left out.
+    #[inline(always)]
+    fn asked(&self, rays: u64, answers: &[Q::Answer]) -> u64 {
+        let is_asked = |i: usize| Q::go_on(answers[self.block + number_of(i)]).is_some();
+        if !Q::ALL {
+            return rays;
+        }
+        set_bits::<TILE>(rays).fold(0, |asked, i| asked | u64::from(is_asked(i)) << i)
+    }
+
     /// Goes on to the next block of rays, if packets are to take it.
     #[inline(always)]
-    fn next_block(&mut self, answers: &[Q::Answer]) -> bool {
+    fn next_block(&mut self) -> bool {
         let count = self.rays.count() - self.next;
         if !self.choice.packs(count, self.coherence.is_coherent()) {
             return false;
         }
         (self.block, self.left) = (self.next, columns::first(count));
-        if Q::ALL {
-            let is_left = |i: &usize| Q::go_on(answers[self.block + number_of(*i)]).is_some();
-            let left = set_bits::<TILE>(self.left).filter(is_left);
-            self.left = left.fold(0, |left, i| left | 1 << i);
-        }
         self.next += count.min(TILE);
         let ahead = self.next + (AHEAD - 1) * TILE;
         self.rays.prefetch(ahead..(ahead + TILE).min(self.rays.count()));

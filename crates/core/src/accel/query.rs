@@ -14,6 +14,9 @@ pub(super) trait Query: Default {
     /// Whether everything that a ray crosses is asked for: then there is no closest hit.
     const ALL: bool = false;
 
+    /// Whether triangles that the filter leaves open are taken as crossed, between unknown t.
+    const TAKES_OPEN: bool = false;
+
     /// Whether the closest hit is asked for: then a hit ends the search beyond.
     const NEAREST: bool = !Self::ANY && !Self::ALL;
 

@@ -151,6 +151,13 @@ impl SlabRay {
         [max(x0, max(y0, z0)), self.reach(min(x1, min(y1, z1)))]
     }
 
+    /// Whether `ray`, whose values these are, may meet anything in the box within its range.
+    #[inline(always)]
+    pub fn meets(&self, ray: &Ray, bounds: &Aabb) -> bool {
+        let [near, far] = self.interval(bounds);
+        max(near, ray.t_min) <= min(far, self.reach(ray.t_max))
+    }
+
     /// The t at which the ray crosses its entry and exit planes on axis `k`, of one box or of
     /// several, rounded.
     #[inline(always)]

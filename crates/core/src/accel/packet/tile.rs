@@ -218,6 +218,14 @@ impl RayTile {
         numbers(self.block, rays).for_each(|number| answers[number] = answer);
     }
 
+    /// Answers that some rays of its block, a bit each, have no hit.
+    #[inline(always)]
+    pub(super) fn miss<Q: Query>(&self, rays: u64, answers: &mut [Q::Answer]) {
+        if !Q::ALL {
+            self.fill(rays, answers, Q::answer(Hit::MISS));
+        }
+    }
+
     /// Writes the answers of its rays.
     #[inline(always)]
     pub(super) fn answer<S: Lanes, Q: Query>(
@@ -233,7 +241,7 @@ impl RayTile {
         }
         if Q::ANY {
             self.fill(self.rays & self.done, answers, Q::answer(ANY_HIT));
-            self.fill(self.rays & !self.done, answers, Q::answer(Hit::MISS));
+            self.miss::<Q>(self.rays & !self.done, answers);
             return;
         }
         for first in (0..TILE).step_by(LANES) {

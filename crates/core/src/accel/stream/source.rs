@@ -3,6 +3,7 @@
 use super::Slot;
 use crate::accel::{Best, Hit, Query, Rays, Root, distance};
 use crate::geometry::PreparedRay;
+use crate::kernels::SlabRay;
 use crate::math::{Ray, entry};
 
 /// The largest number of places handed over with a ray.
@@ -98,7 +99,8 @@ impl RaySource<'_> {
         None
     }
 
-    /// Prepares the ray with that number, or answers it, if it cannot be traced.
+    /// Prepares the ray with that number, or answers it, if it cannot be traced. Of rays of which all is asked for that
+    /// they cross, most meet nothing, not even the root.
     #[inline(always)]
     fn prepare<Q: Query>(
         &self,
@@ -109,6 +111,9 @@ impl RaySource<'_> {
         let ray = self.rays.ray(number);
         if !ray.is_valid() {
             answers[number] = Q::answer(Hit::MISS);
+            return None;
+        }
+        if Q::ALL && !SlabRay::new(&ray).meets(&ray, &self.root.bounds) {
             return None;
         }
         (slot.ray, slot.number) = (PreparedRay::new(&ray), number as u32);
