@@ -51,6 +51,7 @@ use node::{distance, place, widened};
 use query::{Closest, Occluded, Query};
 use tree::{Chunk, Demand, Root, Searched, Tree};
 
+pub(crate) use arena::prefetch;
 pub use choice::KernelChoice;
 pub use crossings::Crossings;
 pub use hit::{Hit, NO_PRIMITIVE};

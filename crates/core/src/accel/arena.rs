@@ -292,7 +292,7 @@ pub(super) fn child_of(node: &Node, place: Ref, lane: usize) -> Ref {
 /// Prefetches a cache line, on targets with such an instruction.
 #[inline(always)]
 #[cfg_attr(any(not(target_arch = "x86_64"), miri), allow(unused_variables))]
-pub(super) fn prefetch(address: *const i8) {
+pub(crate) fn prefetch(address: *const i8) {
     #[cfg(all(target_arch = "x86_64", not(miri)))]
     // SAFETY: a hint, which reads nothing and faults nowhere.
     unsafe {

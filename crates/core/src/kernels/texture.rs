@@ -1,5 +1,6 @@
 //! Texture coordinates and texture look-up.
 
+mod around;
 mod coordinates;
 mod lazy;
 mod pyramid;
@@ -7,9 +8,11 @@ mod wrap;
 
 use glam::Vec3;
 
+use crate::math::vector::set;
 use crate::math::{Mask, Real, Single, Vector, both};
+use around::{Around, SHARES, four, mix};
 use pyramid::MipLevel;
-use wrap::{below, neighbours, position};
+use wrap::{below, position};
 
 pub use coordinates::{Placing, PlanarMap, UvMap, sphere_directions, sphere_uv, sphere_uv_change};
 pub use lazy::LazyImage;
@@ -68,7 +71,8 @@ impl Image {
     /// Builds the pyramid, unless it exists: see [`pyramid`].
     pub fn build_pyramid(&mut self) {
         if self.levels.is_empty() {
-            self.levels = pyramid::levels(self.width, self.height, |x, y| self.texel(x, y));
+            let texel = |x, y| self.texel(y as usize * self.width as usize + x as usize);
+            self.levels = pyramid::levels(self.width, self.height, texel);
         }
     }
 
@@ -89,9 +93,9 @@ impl Image {
         self.levels.len() as u32
     }
 
+    /// The texel of that number, row by row.
     #[inline(always)]
-    fn texel(&self, x: u32, y: u32) -> Vec3 {
-        let index = y as usize * self.width as usize + x as usize;
+    fn texel(&self, index: usize) -> Vec3 {
         match &self.texels {
             Texels::Bytes(texels) => {
                 let [r, g, b, _] = texels[index].map(usize::from);
@@ -117,23 +121,26 @@ impl Image {
     #[inline(always)]
     pub fn look_up<F: Single>(&self, uv: [F; 2], filter: Filter, wrap: Wrap) -> Vector<F> {
         let [u, v] = uv;
-        let [width, height] = [self.width, self.height].map(|side| u.same(side as f32));
-        match filter {
-            Filter::Nearest => {
-                let x = below(position(u, width, wrap), width);
-                let y = below(position(u.same(1.0) - v, height, wrap), height);
-                texels(
-                    [x, y],
-                    #[inline(always)]
-                    |_, x, y| self.texel(x, y),
-                )
+        let size @ [width, height] = [self.width, self.height].map(|side| u.same(side as f32));
+        if filter == Filter::Nearest {
+            let x = below(position(u, width, wrap), width).integers();
+            let y = below(position(u.same(1.0) - v, height, wrap), height).integers();
+            let mut rows = <[F::Row; 3]>::default();
+            for (lane, (&x, &y)) in x.as_ref().iter().zip(y.as_ref()).enumerate() {
+                set::<F>(
+                    &mut rows,
+                    lane,
+                    self.texel(y as usize * self.width as usize + x as usize),
+                );
             }
-            Filter::Bilinear | Filter::Trilinear => bilinear(
-                [width, height],
-                uv,
-                wrap,
+            return Vector::load(u.token(), &rows);
+        }
+        let around = Around::new(size, uv, wrap);
+        match &self.texels {
+            Texels::Bytes(texels) => around.color_of_bytes(texels, self.width),
+            _ => around.color(
                 #[inline(always)]
-                |_, x, y| self.texel(x, y),
+                |lane| four(around.indices(lane, self.width), |index| self.texel(index)),
             ),
         }
     }
@@ -172,55 +179,109 @@ impl Image {
     /// [`Image::coarsest`] and NaN count as that.
     #[inline(always)]
     pub fn look_up_at<F: Single>(&self, uv: [F; 2], level: F, wrap: Wrap) -> (Vector<F>, u32) {
-        let coarsest = level.same(self.coarsest() as f32);
-        let level = F::select(level.lt(coarsest), level.max(level.zero()), coarsest);
-        let finer = Real::floor(level);
+        let ([finer, next], fraction) = self.levels_around(level);
         let color = self.look_up_in(finer, uv, wrap);
-        let between = level.ne(finer);
+        let between = fraction.ne(level.zero());
         if !between.any() {
             return (color, 0);
         }
-        let next = F::select(between, finer + level.same(1.0), finer);
-        let both = mix(color, self.look_up_in(next, uv, wrap), level - finer);
+        let both = mix(color, self.look_up_in(next, uv, wrap), fraction);
         (Vector::select(between, both, color), between.bits())
     }
 
     /// As [`Image::look_up_at`], for whole levels.
     #[inline(always)]
     fn look_up_in<F: Single>(&self, level: F, uv: [F; 2], wrap: Wrap) -> Vector<F> {
-        let integers = level.integers();
-        let levels = integers.as_ref();
-        let mut size = <[F::Row; 2]>::default();
+        let (levels, around) = (level.integers(), Around::new(self.sizes(level), uv, wrap));
+        around.color(
+            #[inline(always)]
+            |lane| match self.mip_level(levels.as_ref()[lane]) {
+                None => four(around.indices(lane, self.width), |index| self.texel(index)),
+                Some(MipLevel { size: [width, _], texels }) => {
+                    four(around.indices(lane, *width), |index| Vec3::from(texels[index]))
+                }
+            },
+        )
+    }
+
+    /// Whether it is worth while to prefetch its texels: they fill more than the caches that a core has
+    /// for itself.
+    #[inline(always)]
+    pub fn is_large(&self) -> bool {
+        // With 2^18 texels look-ups took a fiftieth longer with prefetches, with 2^20 they were faster.
+        u64::from(self.width) * u64::from(self.height) >= 1 << 20
+    }
+
+    /// Calls `each` with addresses in the cache lines that look-ups at `uv` read: in the image itself, or
+    /// around a level of detail.
+    #[inline(always)]
+    pub fn addresses<F: Single>(
+        &self,
+        uv: [F; 2],
+        level: Option<F>,
+        wrap: Wrap,
+        each: impl Fn(*const i8) + Copy,
+    ) {
+        let Some(level) = level else {
+            return self.addresses_in(uv[0].zero(), uv, wrap, each);
+        };
+        let ([finer, next], fraction) = self.levels_around(level);
+        self.addresses_in(finer, uv, wrap, each);
+        if fraction.ne(level.zero()).any() {
+            self.addresses_in(next, uv, wrap, each);
+        }
+    }
+
+    /// As [`Image::addresses`], for whole levels.
+    #[inline(always)]
+    fn addresses_in<F: Single>(&self, level: F, uv: [F; 2], wrap: Wrap, each: impl Fn(*const i8)) {
+        let (levels, around) = (level.integers(), Around::new(self.sizes(level), uv, wrap));
+        for (lane, &level) in levels.as_ref().iter().enumerate() {
+            let (first, bytes, width) = match (self.mip_level(level), &self.texels) {
+                (Some(MipLevel { size: [width, _], texels }), _) => {
+                    (texels.as_ptr().cast::<i8>(), size_of::<[f32; 3]>(), *width)
+                }
+                (None, Texels::Floats(texels)) => {
+                    (texels.as_ptr().cast(), size_of::<[f32; 3]>(), self.width)
+                }
+                (None, Texels::Bytes(texels) | Texels::Levels(texels, _)) => {
+                    (texels.as_ptr().cast(), size_of::<[u8; 4]>(), self.width)
+                }
+            };
+            // The texels to the right are nearly always in the same cache lines.
+            let [above, _, below, _] = around.indices(lane, width);
+            each(first.wrapping_add(above * bytes));
+            each(first.wrapping_add(below * bytes));
+        }
+    }
+
+    /// The whole levels at or below a level of detail and next to that, and the fraction from one to the
+    /// other. Where it is 0, both are the same.
+    #[inline(always)]
+    fn levels_around<F: Single>(&self, level: F) -> ([F; 2], F) {
+        let coarsest = level.same(self.coarsest() as f32);
+        let level = F::select(level.lt(coarsest), level.max(level.zero()), coarsest);
+        let finer = Real::floor(level);
+        let next = F::select(level.ne(finer), finer + level.same(1.0), finer);
+        ([finer, next], level - finer)
+    }
+
+    /// The widths and heights of whole levels.
+    #[inline(always)]
+    fn sizes<F: Single>(&self, level: F) -> [F; 2] {
+        if self.levels.is_empty() {
+            return [self.width, self.height].map(|side| level.same(side as f32));
+        }
+        let (levels, mut size) = (level.integers(), <[F::Row; 2]>::default());
         let [width, height] = &mut size;
-        for (lane, &level) in levels.iter().enumerate() {
+        for (lane, &level) in levels.as_ref().iter().enumerate() {
             let level = self.mip_level(level);
             let [x, y] = level.map_or([self.width, self.height], |level| level.size);
             (width.as_mut()[lane], height.as_mut()[lane]) = (x as f32, y as f32);
         }
-        let token = level.token();
-        let size = [F::load(token, width), F::load(token, height)];
-        bilinear(
-            size,
-            uv,
-            wrap,
-            #[inline(always)]
-            |lane, x, y| match self.mip_level(levels[lane]) {
-                None => self.texel(x, y),
-                Some(level) => level.texel(x, y),
-            },
-        )
+        [F::load(level.token(), width), F::load(level.token(), height)]
     }
 }
-
-/// The shares of 255.
-static SHARES: [f32; 256] = {
-    let (mut shares, mut byte) = ([0.0; 256], 0);
-    while byte < shares.len() {
-        shares[byte] = byte as f32 / 255.0;
-        byte += 1;
-    }
-    shares
-};
 
 /// The binary logarithm of `x`, and 0 below 1: within 4e-16 of its value, and 1e-15.
 ///
@@ -250,43 +311,6 @@ impl Filter {
             Self::Bilinear | Self::Trilinear => 4,
         }
     }
-}
-
-/// The four texels around each `uv` in an image of this size, weighted.
-#[inline(always)]
-fn bilinear<F: Single>(
-    [width, height]: [F; 2],
-    [u, v]: [F; 2],
-    wrap: Wrap,
-    texel: impl Fn(usize, u32, u32) -> Vec3 + Copy,
-) -> Vector<F> {
-    let [x0, x1, fx] = neighbours(position(u, width, wrap), width, wrap);
-    let [y0, y1, fy] = neighbours(position(u.same(1.0) - v, height, wrap), height, wrap);
-    let top = mix(texels([x0, y0], texel), texels([x1, y0], texel), fx);
-    let bottom = mix(texels([x0, y1], texel), texels([x1, y1], texel), fx);
-    mix(top, bottom, fy)
-}
-
-/// The texels in these columns and rows; `texel` takes the lane, the column and the row.
-#[inline(always)]
-fn texels<F: Single>([x, y]: [F; 2], texel: impl Fn(usize, u32, u32) -> Vec3) -> Vector<F> {
-    let mut found = <[F::Row; 3]>::default();
-    let [red, green, blue] = &mut found;
-    let (columns, rows) = (x.integers(), y.integers());
-    for (lane, (&column, &row)) in columns.as_ref().iter().zip(rows.as_ref()).enumerate() {
-        let Vec3 { x, y, z } = texel(lane, column, row);
-        (red.as_mut()[lane], green.as_mut()[lane], blue.as_mut()[lane]) = (x, y, z);
-    }
-    Vector::load(x.token(), &found)
-}
-
-/// From `a` to `b` by `fraction`, below 1. Between equal colours the result is that colour,
-/// although rounded weights need not add up to 1.
-#[inline(always)]
-fn mix<F: Single>(a: Vector<F>, b: Vector<F>, fraction: F) -> Vector<F> {
-    let between = a.scale(fraction.same(1.0) - fraction) + b.scale(fraction);
-    let differs = a.x.ne(b.x) | a.y.ne(b.y) | a.z.ne(b.z);
-    Vector::select(differs, between, a)
 }
 
 #[cfg(test)]

@@ -196,6 +196,9 @@ pub trait Single: Real<Element = f32> {
     /// Whole numbers from 0 to 2^24 as integers.
     fn integers(self) -> Self::Integers;
 
+    /// The byte of each word from this bit on.
+    fn byte(token: Self::Token, words: &Self::Integers, bit: u32) -> Self;
+
     /// The adjacent float of each number in the direction of the shift's sign, or the number itself
     /// if the shift is zero or the number is infinite.
     fn round_away(self, shift: Self) -> Self;
@@ -331,6 +334,11 @@ impl Single for f32 {
     #[inline(always)]
     fn integers(self) -> [u32; 1] {
         [self as u32]
+    }
+
+    #[inline(always)]
+    fn byte((): (), [word]: &[u32; 1], bit: u32) -> Self {
+        (word >> bit & 0xFF) as Self
     }
 
     #[inline(always)]

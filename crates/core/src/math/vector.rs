@@ -155,10 +155,8 @@ impl<F: Single> Vector<F> {
     #[inline(always)]
     pub fn lanes(token: F::Token, vector: impl Fn(usize) -> Vec3) -> Self {
         let mut rows = <[F::Row; 3]>::default();
-        let [x, y, z] = &mut rows;
         for lane in 0..F::LANES {
-            let v = vector(lane);
-            (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (v.x, v.y, v.z);
+            set::<F>(&mut rows, lane, vector(lane));
         }
         Self::load(token, &rows)
     }
@@ -325,6 +323,12 @@ impl<F: Real> Neg for Vector<F> {
     fn neg(self) -> Self {
         Self::new(-self.x, -self.y, -self.z)
     }
+}
+
+/// Replaces the vector of a lane in a row for each axis.
+#[inline(always)]
+pub fn set<F: Single>([x, y, z]: &mut [F::Row; 3], lane: usize, v: Vec3) {
+    (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (v.x, v.y, v.z);
 }
 
 macro_rules! as_glam {

@@ -6,6 +6,7 @@ use glam::Vec3;
 use super::{Appearance, Class, PreparedScene, SampleCounts};
 use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::{Material, SurfacePoint, surface};
+use crate::math::vector::set;
 use crate::math::{LANES, Line, Ray, Single, Vector};
 
 /// A hit on a surface.
@@ -271,11 +272,6 @@ impl<F: Single> Group<F> {
 #[inline(always)]
 pub(super) fn three<F: Single>(token: F::Token, [a, b, c]: &[AxisRows<F>; 3]) -> [Vector<F>; 3] {
     [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)]
-}
-
-#[inline(always)]
-pub(super) fn set<F: Single>([x, y, z]: &mut AxisRows<F>, lane: usize, v: Vec3) {
-    (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (v.x, v.y, v.z);
 }
 
 #[inline(always)]

@@ -1,21 +1,17 @@
-//! Look-ups in the maps of a class, at one hit or at eight.
-//!
-//! What several maps of a hit share is computed once: coordinates and footprints for each map of
-//! coordinates, the level of detail for each size of image.
+//! What the maps of a class change, at one hit or at eight.
 
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 
 use super::class::{Map, Property};
-use super::{Class, Coordinates, Group, PreparedScene, SampleCounts, Texture, UvMap, set, three};
-use crate::kernels::differential::uv_change;
-use crate::kernels::texture::{sphere_directions, sphere_uv, sphere_uv_change};
-use crate::kernels::{
-    Differential, Filter, Image, Reflection, ShadingPoint, SurfacePoint, metal, surface,
-};
+use super::look_up::{LookUp, turned_by};
+use super::{Class, Group, PreparedScene, SampleCounts, Texture, UvMap, three};
+use crate::kernels::texture::sphere_directions;
+use crate::kernels::{Differential, Reflection, ShadingPoint, SurfacePoint, metal, surface};
+use crate::math::vector::set;
 use crate::math::{Line, Real, Single, Vector, both};
 
 /// Returns the differential of the ray in a lane, unless it is a camera ray.
-type Carried<'a> = &'a dyn Fn(usize) -> Option<Differential>;
+pub(super) type Carried<'a> = &'a dyn Fn(usize) -> Option<Differential>;
 
 /// A group of hits at which maps are looked up.
 pub(super) struct MappedHits<'a, F: Single> {
@@ -32,18 +28,6 @@ pub(super) struct MappedHits<'a, F: Single> {
     pub(super) carried: Option<Carried<'a>>,
 }
 
-/// Look-ups at hits, with what earlier ones found.
-struct LookUp<'a, F: Single> {
-    hits: &'a MappedHits<'a, F>,
-    counts: &'a mut SampleCounts,
-    /// The changes of the points from one sample to the next.
-    steps: Option<[Vector<F>; 2]>,
-    coordinates: Option<(&'a Coordinates, [F; 2])>,
-    footprint: Option<(&'a Coordinates, [[F; 2]; 2])>,
-    /// For the last footprint, in images of a size and with this coarsest level.
-    level: Option<([u32; 3], F)>,
-}
-
 impl<'a, F: Single> MappedHits<'a, F> {
     /// Applies the maps of the class, and vertex colours after that of the base colour.
     #[inline(always)]
@@ -54,6 +38,7 @@ impl<'a, F: Single> MappedHits<'a, F> {
         counts: &'a mut SampleCounts,
     ) {
         let mut look_up = LookUp::at(self, counts);
+        look_up.prefetch(class);
         point.color = self.color(class, &mut look_up);
         for Map { property, texture } in &class.maps {
             if *property == Property::Color {
@@ -204,127 +189,6 @@ impl<'a, F: Single> MappedHits<'a, F> {
     }
 }
 
-impl<'a, F: Single> LookUp<'a, F> {
-    #[inline(always)]
-    fn at(hits: &'a MappedHits<'a, F>, counts: &'a mut SampleCounts) -> Self {
-        Self { hits, counts, steps: None, coordinates: None, footprint: None, level: None }
-    }
-
-    /// The colours of a texture; black if its image cannot be decoded, which ends a render.
-    #[inline(always)]
-    fn texel(&mut self, texture: &'a Texture) -> Vector<F> {
-        let MappedHits { group, scene, t, .. } = self.hits;
-        let Texture { image, filter, wrap, coordinates } = texture;
-        let uv = self.coordinates(coordinates);
-        let Some(image) = scene.appearance.images[*image as usize].usable() else {
-            return Vector::splat(t.token(), Vec3::ZERO);
-        };
-        let read = |hits: u32| filter.texels() * u64::from((hits & group.used).count_ones());
-        self.counts.texels += read(u32::MAX);
-        if *filter != Filter::Trilinear {
-            return image.look_up(uv, *filter, *wrap);
-        }
-        let level = match self.hits.carried {
-            Some(carried) => self.level(image, coordinates, carried),
-            None => t.zero(),
-        };
-        let (color, between) = image.look_up_at(uv, level, *wrap);
-        self.counts.texels += read(between);
-        color
-    }
-
-    #[inline(always)]
-    fn coordinates(&mut self, of: &'a Coordinates) -> [F; 2] {
-        if let Some((known, uv)) = self.coordinates
-            && known == of
-        {
-            return uv;
-        }
-        let MappedHits { group, surfaces, .. } = self.hits;
-        let own = match &of.map {
-            UvMap::Planar(map) => map.uv(surfaces.point),
-            UvMap::Sphere(to_own) => sphere_uv(turned_by(to_own, surfaces.normal).normalize()),
-            UvMap::Mesh => {
-                let [[au, av], [bu, bv], [cu, cv]] = group.uvs(self.hits.t.token());
-                let [y, z] = surfaces.barycentric;
-                let x = y.same(1.0) - y - z;
-                [au * x + bu * y + cu * z, av * x + bv * y + cv * z]
-            }
-        };
-        let uv = if let Some(placing) = &of.placing { placing.apply(own) } else { own };
-        self.coordinates = Some((of, uv));
-        uv
-    }
-
-    /// The changes of texture coordinates from one sample to the next. Not finite where those of the
-    /// points are not.
-    #[inline(always)]
-    fn footprint(&mut self, of: &'a Coordinates, carried: Carried<'_>) -> [[F; 2]; 2] {
-        if let Some((known, footprint)) = self.footprint
-            && known == of
-        {
-            return footprint;
-        }
-        let &MappedHits { group, surfaces, line, t, scene, .. } = self.hits;
-        self.counts.footprints += u64::from(group.used.count_ones());
-        let steps = match self.steps {
-            Some(steps) => steps,
-            None => {
-                let differential = scene.incoming_differentials(line.direction, carried);
-                differential.at(line.direction, t, surfaces.normal)
-            }
-        };
-        self.steps = Some(steps);
-        let [right, down] = steps;
-        let own = match &of.map {
-            UvMap::Planar(map) => [map.change(right), map.change(down)],
-            UvMap::Sphere(to_own) => {
-                let normal = turned_by(to_own, surfaces.normal).normalize();
-                let [_, Vector { x: radius, .. }, _] = three(t.token(), &group.corners);
-                both(
-                    steps,
-                    #[inline(always)]
-                    |step| sphere_uv_change(normal, turned_by(to_own, step.over(radius))),
-                )
-            }
-            UvMap::Mesh => {
-                let uvs = group.uvs(t.token());
-                let corners = group.corners_in_world(t.token(), scene.accel.geometry());
-                both(
-                    steps,
-                    #[inline(always)]
-                    |step| {
-                        let [u, v] = uv_change(&corners, &uvs, step);
-                        let is_known = F::mask(t.token(), group.has_uvs);
-                        [F::select(is_known, u, t.zero()), F::select(is_known, v, t.zero())]
-                    },
-                )
-            }
-        };
-        let [right, down] = own;
-        let own = match &of.placing {
-            None => own,
-            Some(placing) => [placing.change(right), placing.change(down)],
-        };
-        (self.footprint, self.level) = (Some((of, own)), None);
-        own
-    }
-
-    #[inline(always)]
-    fn level(&mut self, image: &Image, of: &'a Coordinates, carried: Carried<'_>) -> F {
-        let footprint = self.footprint(of, carried);
-        let size = [image.width, image.height, image.coarsest()];
-        if let Some((known, level)) = self.level
-            && known == size
-        {
-            return level;
-        }
-        let level = image.level(&footprint);
-        self.level = Some((size, level));
-        level
-    }
-}
-
 /// Replaces the reflection of points, which have their colours, by that of metalness and roughness.
 #[inline(always)]
 fn metal<F: Single>(of: [F; 2], point: &mut ShadingPoint<F>) {
@@ -344,13 +208,4 @@ fn metal<F: Single>(of: [F; 2], point: &mut ShadingPoint<F>) {
         tint: Vector::narrow(look.tint),
     };
     point.kr = F::narrow(look.kr);
-}
-
-/// Vectors turned by a rotation.
-#[inline(always)]
-fn turned_by<F: Single>(by: &Mat3, v: Vector<F>) -> Vector<F> {
-    let token = v.x.token();
-    Vector::splat(token, by.x_axis).scale(v.x)
-        + Vector::splat(token, by.y_axis).scale(v.y)
-        + Vector::splat(token, by.z_axis).scale(v.z)
 }

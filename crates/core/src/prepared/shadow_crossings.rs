@@ -8,12 +8,13 @@
 use glam::{DVec3, Vec3};
 
 use super::interface::{LEAST_COSINE, close_depth};
-use super::{Face, Group, MappedHits, MediumStack, PreparedScene, SampleCounts, Shape, set};
+use super::{Face, Group, MappedHits, MediumStack, PreparedScene, SampleCounts, Shape};
 use crate::accel::{Crossings, Rays, Traversal};
 use crate::geometry::{ShadingKind, Surfaces};
 use crate::kernels::Arithmetic;
 use crate::math::float::{dot, max};
 use crate::math::multisets::Multisets;
+use crate::math::vector::set;
 use crate::math::{Line, Mask, Ray, Single, Vector};
 
 /// Shadow rays and the transparent surfaces that they cross.

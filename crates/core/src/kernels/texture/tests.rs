@@ -59,3 +59,32 @@ fn levels_are_bilinear_and_between_them_linear() {
     assert!(half.distance((finest + at(1.0).0) / 2.0) < 1e-6 && between == 1, "{half}");
     assert_eq!(gradient(7, 5).look_up_at(uv, 1.5, Wrap::Repeat), (finest.into(), 0), "no pyramid");
 }
+
+#[test]
+fn prefetches_are_of_texels_that_are_read() {
+    let mut image = gradient(8, 4);
+    image.build_pyramid();
+    let addresses = |level| {
+        let found = std::cell::RefCell::new(Vec::new());
+        image.addresses([0.5, 0.5], level, Wrap::Repeat, |address| {
+            found.borrow_mut().push(address.addr());
+        });
+        found.into_inner()
+    };
+    let Texels::Floats(texels) = &image.texels else { unreachable!() };
+    let in_image = [1, 2].map(|row| (&raw const texels[row * 8 + 3]).addr());
+    let above = [0, 1].map(|row| (&raw const image.levels[0].texels[row * 4 + 1]).addr());
+    assert_eq!(addresses(None), in_image);
+    assert_eq!(addresses(Some(0.0)), in_image);
+    assert_eq!(addresses(Some(1.0)), above);
+    assert_eq!(addresses(Some(0.5)), [in_image, above].concat());
+}
+
+#[test]
+fn bytes_are_shares_of_255() {
+    let words = (0..=u8::MAX).map(|byte| u32::from_le_bytes([byte, 255 - byte, byte ^ 1, 7]));
+    for (byte, word) in words.enumerate() {
+        let [green, blue] = [255 - byte, byte ^ 1].map(|byte| SHARES[byte]);
+        assert_eq!(around::shares::<f32>((), &[word]), Vec3::new(SHARES[byte], green, blue).into());
+    }
+}

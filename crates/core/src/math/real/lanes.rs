@@ -131,6 +131,12 @@ impl<S: Lanes> Single for f32x8<S> {
     }
 
     #[inline(always)]
+    fn byte(simd: S, words: &[u32; LANES], bit: u32) -> Self {
+        let words: u32x8<S> = <u32x8<S> as SimdBase<S>>::from_slice(simd, words);
+        SimdInt::to_float(words >> bit & 0xFF)
+    }
+
+    #[inline(always)]
     fn round_away(self, shift: Self) -> Self {
         const SIGN: u32 = 1 << 31;
         let simd = ExtractToken::token(&self);
