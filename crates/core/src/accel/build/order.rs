@@ -52,23 +52,15 @@ pub(super) fn chunks(
     extents: &Aabb,
     (most, with_boxes): (usize, bool),
 ) -> Chunks {
+    let kinds = if geometry.passed.is_empty() { 1 } else { Surfaces::ALL.len() };
     let mut all = Chunks::default();
-    for surfaces in Surfaces::ALL {
+    for surfaces in Surfaces::ALL.into_iter().take(kinds) {
         let order = EntryOrder { geometry, surfaces, most, with_boxes };
-        let own = match surfaces {
-            Surfaces::Opaque => order.of_surfaces(extents),
-            _ if geometry.passed.is_empty() => Chunks::default(),
-            _ => order.of_surfaces(extents),
-        };
+        let Chunks { entries, chunks, .. } = order.of_surfaces(extents);
         let before = all.entries.len();
-        let moved = |(part, bounds)| (moved(part, before), bounds);
-        all.counts[surfaces as usize] = own.chunks.len();
-        all.chunks.extend(own.chunks.into_iter().map(moved));
-        if before == 0 {
-            all.entries = own.entries;
-        } else {
-            all.entries.extend(own.entries);
-        }
+        all.counts[surfaces as usize] = chunks.len();
+        all.chunks.extend(chunks.into_iter().map(|(part, bounds)| (moved(part, before), bounds)));
+        all.entries.extend(entries);
     }
     all
 }
