@@ -194,7 +194,7 @@ fn triangles_that_repeat_positions_share_leaves() {
         add_triangle(&mut repeated, shared.triangle(i));
     }
     for cut in [CUTS[1], CUTS[2], cut(usize::MAX, 1, 0)] {
-        let census = |geometry| build(geometry, Preset::Fast, cut).census();
+        let census = |geometry| build(geometry, &[], Preset::Fast, cut).census();
         assert_eq!(census(&repeated), census(&shared), "{cut:?}");
         let mut accel = cut_accel(&repeated, Preset::Fast, cut);
         check("repeated", &mut accel, &rays(), &brute(&shared, &rays()));
@@ -205,7 +205,7 @@ fn triangles_that_repeat_positions_share_leaves() {
 fn the_heuristic_expects_what_areas_say() {
     let expected = |spheres: Vec<Quadric>| {
         let geometry = Geometry { quadrics: spheres, ..Geometry::default() };
-        let visits = build(&geometry, Preset::Fast, ChunkSizes::default()).expected_visits();
+        let visits = build(&geometry, &[], Preset::Fast, ChunkSizes::default()).expected_visits();
         [visits.nodes, visits.leaves].map(|visits| (visits * 1e4).round() / 1e4)
     };
     assert_eq!(expected(Vec::new()), [0.0, 0.0]);

@@ -7,7 +7,8 @@
 //! level: [`crate::kernels::slab`] says why.
 //!
 //! A mesh shown in several places is stored once, as a prototype with its own tree; each copy is an
-//! [instance](crate::geometry::instance), which rays visit after the scene's own primitives.
+//! [instance](crate::geometry::instance), whose box is in the scene's tree. A ray that reaches it goes on
+//! in the prototype's tree, in the space of the prototype, and comes back.
 
 pub mod arena;
 mod best;
@@ -15,7 +16,6 @@ pub mod build;
 mod choice;
 mod crossings;
 mod hit;
-mod instances;
 mod leaf;
 mod node;
 mod order;
@@ -25,7 +25,6 @@ mod rays;
 mod search;
 mod single;
 mod stream;
-mod tlas;
 pub mod tree;
 mod wide;
 
@@ -35,14 +34,13 @@ use crate::counters::{Kernels, TestCounts};
 use crate::geometry::Geometry;
 use crate::kernels::{Aabb, Arithmetic, Precision};
 use crate::math::Ray;
+use crate::math::float::max;
 use crate::math::multisets::Multisets;
 use crate::math::simd::Level;
 use crate::with_precision;
 use build::{ChunkSizes, Preset};
-use instances::Walks;
 use packet::Packets;
 use stream::Flight;
-use tlas::Tlas;
 use wavecrest_base::parallel;
 // The types that every search uses, by their names alone.
 use arena::{Arena, ArenaView, Kind, Node, Patch, Ref, Soup, TreeContents, Unit, Units, child_of};
@@ -64,7 +62,8 @@ pub struct Traversal {
     stack: Vec<u64>,
     flight: Flight,
     packets: Packets,
-    walks: Walks,
+    /// For searches in prototypes.
+    inside: Option<Box<Traversal>>,
     /// What a ray crosses near a hit.
     pub(crate) crossed: Crossings,
     /// What rays were inside of.
@@ -86,8 +85,6 @@ pub struct Accel {
     tree: Option<Tree>,
     /// A bottom-level tree for each prototype; empty for the reference.
     blas: Vec<Tree>,
-    /// The top-level tree, over the instances.
-    tlas: Tlas,
     /// The instruction level; it does not affect answers.
     pub level: fearless_simd::Level,
     /// The kernel for batches of rays; it does not affect answers.
@@ -113,7 +110,7 @@ impl Accel {
         // Not that of all instructions there are: some levels have no code of their own.
         let level = Level::best().token().unwrap_or_else(fearless_simd::Level::new);
         let kernel = KernelChoice::default();
-        Self { geometry, tree: None, blas: Vec::new(), tlas: Tlas::default(), level, kernel }
+        Self { geometry, tree: None, blas: Vec::new(), level, kernel }
     }
 
     /// Builds another structure over the same primitives.
@@ -122,16 +119,14 @@ impl Accel {
     }
 
     fn build(&mut self, preset: Preset, sizes: ChunkSizes) {
-        (self.tree, self.blas, self.tlas) = (None, Vec::new(), Tlas::default());
+        (self.tree, self.blas) = (None, Vec::new());
         let geometry = &self.geometry;
         if preset == Preset::Brute {
             return;
         }
-        let build = |geometry: &Geometry| build::build(geometry, preset, sizes);
-        self.tree = Some(build(geometry));
-        self.blas = parallel::map(geometry.prototypes.iter(), build);
-        let boxes: Vec<_> = self.blas.iter().map(|tree| tree.outline(1)).collect();
-        self.tlas = Tlas::new(&geometry.instances, &boxes);
+        let build = |geometry: &Geometry, blas: &[_]| build::build(geometry, blas, preset, sizes);
+        self.blas = parallel::map(geometry.prototypes.iter(), |of| build(of, &[]));
+        self.tree = Some(build(geometry, &self.blas));
     }
 
     /// The primitives.
@@ -161,9 +156,10 @@ impl Accel {
 
     /// Scratch memory for one thread: traversal then allocates nothing.
     pub fn traversal(&self) -> Traversal {
-        let Some(entries) = self.trees().map(Tree::stack_entries).max() else {
-            return Traversal::default();
-        };
+        let Some(tree) = &self.tree else { return Traversal::default() };
+        // A ray in an instance comes back.
+        let below = self.blas.iter().map(Tree::stack_entries).max().map_or(0, |below| below + 1);
+        let entries = tree.stack_entries() + below;
         Traversal { stack: vec![0; entries], flight: Flight::new(entries), ..Traversal::default() }
     }
 
@@ -240,8 +236,8 @@ impl Accel {
     /// errors of rays are larger there than elsewhere; `None` if nothing is certain of them.
     pub fn outline(&self) -> Option<Vec<(Aabb, f32)>> {
         let tree = self.tree.as_ref().filter(|_| self.geometry.precision != Precision::Fast)?;
-        let own = tree.outline(2).into_iter().map(|bounds| (bounds, 1.0));
-        Some(own.chain(self.tlas.outline()).collect())
+        let factor = max(tree.widening, 1.0);
+        Some(tree.outline(2).into_iter().map(|bounds| (bounds, factor)).collect())
     }
 
     /// The numbers of chunks that rays built so far, and of all; `None` if every tree was built at
@@ -254,13 +250,13 @@ impl Accel {
     pub fn build_rest(&self) {
         let geometries = std::iter::once(&self.geometry).chain(&self.geometry.prototypes);
         for (tree, geometry) in self.trees().zip(geometries) {
-            let searched = Searched { tree, geometry, root: tree.root, without_t: false };
+            let searched = Searched::new(tree, geometry);
             tree.walk(|place, _| _ = searched.chunk(place));
         }
     }
 
     /// Bytes held by all trees.
     pub fn tree_bytes(&self) -> u64 {
-        self.trees().map(Tree::bytes).sum::<u64>() + self.tlas.bytes()
+        self.trees().map(Tree::bytes).sum::<u64>()
     }
 }

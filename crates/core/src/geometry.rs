@@ -110,7 +110,14 @@ impl PreparedRay {
     /// Prepares `ray`, which must be valid.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        Self { ray: *ray, slab: SlabRay::new(ray), space: ShearedSpace::new(ray) }
+        Self::widened(ray, 0.0)
+    }
+
+    /// As [`Self::new`], for the boxes of [`SlabRay::widened`].
+    #[inline(always)]
+    pub fn widened(ray: &Ray, factor: f32) -> Self {
+        let slab = SlabRay::widened(ray, factor);
+        Self { ray: *ray, slab, space: ShearedSpace::new(ray) }
     }
 }
 

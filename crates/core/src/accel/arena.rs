@@ -82,6 +82,16 @@ impl Ref {
     }
 }
 
+/// What an empty list stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub(super) enum StandIn {
+    /// A chunk that the first ray to reach it builds.
+    Chunk,
+    /// An instance.
+    Instance,
+}
+
 /// The largest number of units that a [`Ref`] can address.
 pub const MAX_UNITS: usize = (1 << 30) - 1;
 
@@ -202,13 +212,14 @@ impl<'a> ArenaView<'a> {
         unsafe { std::slice::from_raw_parts(words.add(1), *count as usize) }
     }
 
-    /// The number of the chunk that the list at `place` stands for; `None` for other lists, which
-    /// are not empty.
-    #[inline]
-    pub(super) fn chunk(self, place: Ref) -> Option<usize> {
-        debug_assert!(place.kind() == Kind::List);
-        let Unit([count, chunk, ..]) = self.at(place);
-        (*count == 0).then_some(*chunk as usize)
+    /// The number of the chunk or instance for which the list at `place` stands; `None` for others.
+    #[inline(always)]
+    pub(super) fn stands_for(self, what: StandIn, place: Ref) -> Option<usize> {
+        if place.kind() != Kind::List {
+            return None;
+        }
+        let Unit([count, of, number, ..]) = self.at(place);
+        (*count == 0 && *of == what as u32).then_some(*number as usize)
     }
 
     /// The number of the primitive in `lane`, of those that start at `first`.

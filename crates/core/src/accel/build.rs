@@ -21,6 +21,10 @@ use obvhs::BvhBuildParams;
 
 use super::{Demand, Tree, Unit};
 use crate::geometry::Geometry;
+use crate::geometry::instance::Instance;
+use crate::kernels::Aabb;
+use crate::kernels::slab::PADDING;
+use crate::math::float::{max, max_abs};
 use entries::Entry;
 use leaves::{CurveLeaf, LeafFinder};
 use piece::{BuildPlan, Piece};
@@ -42,6 +46,9 @@ const ROOM_OF_LISTED: usize = 192;
 /// A mesh with shared vertices has about half as many vertices as triangles. With more than this
 /// number for four triangles, vertices are compared by position.
 const WELD_ABOVE: usize = 3;
+
+/// How many times farther out than instances the origins of packets may be: their boxes are padded for it.
+const NEAR: f32 = 2.0;
 
 /// Rays for each primitive from which [`Preset::Fastest`] pays: with fewer, part of the scene is
 /// likely never reached. Where all of it was, in a terrain of 10 million triangles,
@@ -146,21 +153,43 @@ impl Default for ChunkSizes {
     }
 }
 
-/// Builds the tree over every primitive that can be hit: all except triangles without area.
-pub fn build(geometry: &Geometry, preset: Preset, cut: ChunkSizes) -> Tree {
+/// Builds the tree over every primitive that can be hit, all except triangles without area, and over
+/// instances, whose prototypes have the trees `blas`.
+pub fn build(geometry: &Geometry, blas: &[Tree], preset: Preset, cut: ChunkSizes) -> Tree {
     let cut = ChunkSizes { chunk: cut.chunk.max(1), parts: cut.parts.max(1), ..cut };
     let extents = order::extents(geometry);
-    let plan = BuildPlan::new(geometry, preset, extents);
+    let (instances, near) = instances(geometry, blas);
+    let plan = BuildPlan { instances, ..BuildPlan::new(geometry, preset, extents) };
     let is_later = preset == Preset::OnDemand && geometry.entries() > cut.chunk;
     let mut left_out = 0;
     let mut chunks = |with_boxes| {
         let chunks = order::chunks(geometry, &extents, (cut.chunk, with_boxes));
         left_out = geometry.entries() - chunks.entries.len();
-        Some(chunks).filter(|chunks| chunks.chunks.len() > usize::from(with_boxes))
+        let parts = chunks.chunks.len() + plan.instances.len();
+        Some(chunks).filter(|_| parts > usize::from(with_boxes))
     };
     let tree = is_later.then(|| chunked::on_demand(&plan, chunks(true)?)).flatten();
     let most = Demand::MOST_UNITS * size_of::<Unit>();
     let whole = |room| chunked::build(&plan, chunks(false)?, ChunkSizes { room, ..cut });
     let tree = tree.or_else(|| [cut.room, most].into_iter().find_map(whole));
-    Tree { left_out: left_out as u64, ..tree.unwrap_or_default() }
+    let widening = geometry.instances.iter().map(Instance::widening).fold(0.0, max);
+    Tree { left_out: left_out as u64, widening, near, ..tree.unwrap_or_default() }
+}
+
+/// The boxes of instances, each with the number of its instance, and the largest coordinate of the origins
+/// of rays for which they are wide enough.
+fn instances(geometry: &Geometry, blas: &[Tree]) -> (Vec<(u32, Aabb)>, f32) {
+    let outlines: Vec<_> = blas.iter().map(|tree| tree.outline(1)).collect();
+    let shown = (0..).zip(&geometry.instances).filter_map(|(number, instance)| {
+        let outline = &outlines[instance.prototype()];
+        (!outline.is_empty()).then(|| (number, instance.bounds(outline)))
+    });
+    let mut boxes: Vec<(u32, Aabb)> = shown.collect();
+    let farthest = |(_, Aabb { low, high }): &(u32, Aabb)| max(max_abs(*low), max_abs(*high));
+    let near = NEAR * boxes.iter().map(farthest).fold(0.0, max);
+    for (number, Aabb { low, high }) in &mut boxes {
+        let pad = geometry.instances[*number as usize].widening() * PADDING * near;
+        (*low, *high) = (*low - pad, *high + pad);
+    }
+    (boxes, near)
 }

@@ -8,31 +8,32 @@
 //! rays at a time. Leaves are tested in the same way ([`frame`]), or ray by ray if few rays meet
 //! them. When few rays of a tile visit a node, they are handed over to the kernel of rays in flight
 //! ([`super::stream`]), with the place to continue from. If tiles share little on average, or most
-//! rays are in no tile, the rest of the batch goes there at once.
+//! rays are in no tile, the rest of the batch goes there at once. Rays of a tile that meet an instance are a
+//! batch in its prototype, or if they are few are handed over.
 //!
 //! Any-hit queries first try the leaf that ended the last tile: shadow rays often end at one wall.
 
 mod beam;
 mod columns;
 mod frame;
+mod instances;
 mod leaves;
 mod load;
 mod nodes;
 mod tile;
 
-use std::marker::PhantomData;
-
 use super::query::ANY_HIT;
 use super::stream::{self, HandedRays, RaySource};
 use super::{
-    Hit, KernelChoice, Kind, Query, Rays, Ref, Root, Searched, Traversal, distance, place, single,
+    Hit, KernelChoice, Kind, Query, Rays, Ref, Root, Search, Searched, Traversal, distance, place,
+    single,
 };
 use crate::counters::TestCounts;
-use crate::geometry::PreparedRay;
 use crate::kernels::Arithmetic;
 use crate::math::{Lanes, entry, outlined, set_bits};
 use beam::Beam;
 use columns::{GROUPS, TileColumn, WIDTH, load, number_of, numbers};
+use load::FEWEST;
 use tile::RayTile;
 
 /// Tiles traversed in turn, step by step, so that one computes while another waits.
@@ -74,14 +75,14 @@ pub(super) struct Packets {
 /// Answers all rays: by packets as long as `choice` says so, the others in flight.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
-    simd: S,
+    (simd, search): (S, Search<'_, P>),
     searched: Searched<'_>,
     (rays, choice): (Rays<'_>, KernelChoice),
     answers: &mut [Q::Answer],
     query: &mut Q,
     traversal: &mut Traversal,
 ) {
-    let Traversal { packets, flight, stack, tests, kernels, .. } = traversal;
+    let Traversal { packets, flight, stack, inside, tests, kernels, .. } = traversal;
     let kernel = Q::counts(kernels);
     let Some(root) = searched.root else {
         answers.fill(Q::answer(Hit::MISS));
@@ -107,9 +108,10 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         ending: None,
         handed,
         stack,
+        inside,
         tests: &mut *tests,
         query: &mut *query,
-        precision: PhantomData,
+        search,
     };
     batch.trace(tiles, answers);
     let TileBatch { next, coherence, .. } = batch;
@@ -118,7 +120,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     kernel.stream += rays.count() as u64 - coherence.fit;
     kernel.rays_a_node.add(coherence.rays, coherence.visits);
     if !handed.queue.is_empty() || next < rays.count() {
-        let source = RaySource { rays, handed, next, root };
+        let source = RaySource { rays, handed, next, searched, root };
         stream::trace::<S, Q, P>(simd, searched, source, answers, flight, (tests, kernel, query));
     }
 }
@@ -159,9 +161,11 @@ struct TileBatch<'a, S, Q, P> {
     ending: Option<Ref>,
     handed: &'a mut HandedRays,
     stack: &'a mut [u64],
+    /// For searches in prototypes.
+    inside: &'a mut Option<Box<Traversal>>,
     tests: &'a mut TestCounts,
     query: &'a mut Q,
-    precision: PhantomData<P>,
+    search: Search<'a, P>,
 }
 
 impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
@@ -206,7 +210,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                     self.coherence.tiles += 1;
                     let root = entry(f32::NEG_INFINITY, self.root.place.bits());
                     let asked = self.asked(rays, answers);
-                    if !is_fit {
+                    if !(is_fit && self.is_near(tile)) {
                         // These are left to the other kernel.
                         self.coherence.unfit += u64::from(asked.count_ones());
                         for number in numbers(self.block, asked) {
@@ -240,6 +244,14 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
             return rays;
         }
         set_bits::<TILE>(rays).fold(0, |asked, i| asked | u64::from(is_asked(i)) << i)
+    }
+
+    /// Whether the boxes of instances are wide enough for the rays of the tile.
+    #[inline(always)]
+    fn is_near(&self, tile: &RayTile) -> bool {
+        let Searched { tree, blas, .. } = self.searched;
+        let mut origins = tile.beam.origin.as_flattened().iter();
+        blas.is_empty() || origins.all(|x| x.abs() <= tree.near)
     }
 
     /// Goes on to the next block of rays, if packets are to take it.
@@ -290,6 +302,14 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                         tile.push(true, Visit { entry, rays });
                         continue;
                     }
+                    if let Some(instance) = self.searched.instance(at) {
+                        match rays.count_ones() {
+                            _ if Q::ALL => {}
+                            0..FEWEST => self.hand_over(tile, entry, rays),
+                            _ => self.visit_instance(tile, instance, rays),
+                        }
+                        continue;
+                    }
                     self.visit_leaf(tile, at, rays);
                     if Q::ANY && tile.is_done() {
                         self.ending = Some(at);
@@ -327,11 +347,12 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                 simd,
                 #[inline(always)]
                 || {
-                    let ray = (&PreparedRay::new(&tile.ray(i)), number);
+                    let ray = (&searched.prepare(&tile.ray(i)), number);
                     let before = tile.best(i);
                     let stack = (&mut *self.stack, place);
                     let memory = (&mut *self.tests, &mut *self.query);
-                    let best = single::trace::<S, Q, P>(simd, searched, ray, before, stack, memory);
+                    let best =
+                        single::trace::<S, Q, P, true>(simd, searched, ray, before, stack, memory);
                     if best == before {
                         return;
                     }

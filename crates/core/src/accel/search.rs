@@ -55,8 +55,9 @@ impl<P: Arithmetic> Search<'_, P> {
         if geometry.instances.is_empty() || !ray.is_valid() {
             return Hit::MISS;
         }
-        if self.accel.tree.is_some() {
-            return self.among_instances::<Closest>(ray, Hit::MISS, traversal);
+        if let Some(tree) = &self.accel.tree {
+            let searched = Searched { only_instances: true, ..self.part(tree, None, traversal) };
+            return self.in_tree(searched, (ray, 0), &mut Closest, traversal);
         }
         let numbers = geometry.own() as u32..geometry.len() as u32;
         brute::<Closest, P>(geometry, numbers, ray, &mut traversal.tests)
@@ -84,25 +85,17 @@ impl<P: Arithmetic> Search<'_, P> {
             return Q::answer(brute::<Q, P>(geometry, numbers, ray, &mut traversal.tests));
         };
         let searched = self.part(tree, Q::SURFACES, traversal);
-        let best = self.in_tree(searched, (ray, 0), &mut Q::default(), traversal);
-        if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
-            return Q::answer(best);
-        }
-        Q::answer(self.among_instances::<Q>(ray, best, traversal))
+        Q::answer(self.in_tree(searched, (ray, 0), &mut Q::default(), traversal))
     }
 
     #[inline(never)]
     fn many<Q: Query>(&self, rays: Rays<'_>, answers: &mut [Q::Answer], traversal: &mut Traversal) {
-        let Accel { geometry, tree, .. } = self.accel;
-        let Some(tree) = tree.as_ref().filter(|_| !self.is_each()) else {
+        let Some(tree) = self.accel.tree.as_ref().filter(|_| !self.is_each()) else {
             self.each::<Q>(rays, answers, traversal);
             return;
         };
         let searched = self.part(tree, Q::SURFACES, traversal);
         self.all_in_tree(searched, rays, answers, &mut Q::default(), traversal);
-        if !geometry.instances.is_empty() {
-            self.all_among_instances::<Q>(rays, answers, traversal);
-        }
     }
 
     /// Whether rays are searched one by one. The reference has no use for lanes.
@@ -129,27 +122,7 @@ impl<P: Arithmetic> Search<'_, P> {
         }
     }
 
-    /// The hit of a ray in the tree of a prototype, by the prototype's own numbers.
-    pub(super) fn in_prototype<Q: Query>(
-        &self,
-        number: usize,
-        ray: &Ray,
-        traversal: &mut Traversal,
-    ) -> Hit {
-        if !ray.is_valid() {
-            return Hit::MISS;
-        }
-        self.in_tree(self.prototype(number), (ray, 0), &mut Q::default(), traversal)
-    }
-
-    /// The prototype with that number.
-    pub(super) fn prototype(&self, number: usize) -> Searched<'_> {
-        let Accel { blas, geometry, .. } = self.accel;
-        let (tree, geometry) = (&blas[number], &geometry.prototypes[number]);
-        Searched { tree, geometry, root: tree.root, without_t: false }
-    }
-
-    /// The scene's own primitives, all or those of some surfaces. Among instances, hits are compared by t.
+    /// The scene, or its primitives of some surfaces. Among instances, hits are compared by t.
     #[inline(always)]
     pub(super) fn part<'b>(
         &'b self,
@@ -157,9 +130,10 @@ impl<P: Arithmetic> Search<'_, P> {
         surfaces: Option<Surfaces>,
         traversal: &Traversal,
     ) -> Searched<'b> {
-        let geometry = &self.accel.geometry;
+        let Accel { geometry, blas, .. } = self.accel;
         let without_t = traversal.without_t && geometry.instances.is_empty();
-        Searched { tree, geometry, root: tree.root_of(surfaces), without_t }
+        let root = tree.root_of(surfaces);
+        Searched { blas, root, without_t, ..Searched::new(tree, geometry) }
     }
 
     /// The hit in a tree for the query, of the ray with that number.
@@ -171,8 +145,9 @@ impl<P: Arithmetic> Search<'_, P> {
         query: &mut Q,
         traversal: &mut Traversal,
     ) -> Hit {
+        let memory = (traversal.stack.as_mut_slice(), &mut traversal.tests);
         at_level!(self.accel.level, simd =>
-            single::hit::<_, Q, P>(simd, searched, ray, query, traversal))
+            single::hit::<_, Q, P, true>(simd, searched, ray, query, memory))
     }
 
     /// As [`Self::in_tree`], for many rays. The level must have batch kernels.
@@ -187,7 +162,7 @@ impl<P: Arithmetic> Search<'_, P> {
     ) {
         let rays = (rays, self.accel.kernel);
         at_wide_level!(self.accel.level, simd =>
-            packet::trace::<_, Q, P>(simd, searched, rays, answers, query, traversal));
+            packet::trace::<_, Q, P>((simd, *self), searched, rays, answers, query, traversal));
     }
 }
 

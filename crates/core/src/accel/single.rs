@@ -1,33 +1,32 @@
 //! Traversal by one ray: for the recursive tracer, and for the rays left by packets.
 
-use super::{Best, Hit, Kind, Query, Searched, Traversal, distance, leaf, node, place};
+use super::{Best, Hit, Kind, Query, Searched, distance, leaf, node, place};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::Arithmetic;
-use crate::math::{Lanes, Ray, entry};
+use crate::math::{Lanes, Ray, entry, outlined};
 
-/// The hit on `ray` for the query.
+/// The hit on `ray` for the query, in the `WORLD` or in a prototype.
 #[inline(always)]
-pub(super) fn hit<S: Lanes, Q: Query, P: Arithmetic>(
+pub(super) fn hit<S: Lanes, Q: Query, P: Arithmetic, const WORLD: bool>(
     simd: S,
     searched: Searched<'_>,
     (ray, number): (&Ray, usize),
     query: &mut Q,
-    traversal: &mut Traversal,
+    (stack, tests): (&mut [u64], &mut TestCounts),
 ) -> Hit {
-    let Traversal { stack, tests, .. } = traversal;
     let Some(root) = searched.root else { return Hit::MISS };
-    let prepared = &PreparedRay::new(ray);
+    let prepared = (&searched.prepare(ray), number);
     let (best, from) = (Best::none(ray.t_max), entry(f32::NEG_INFINITY, root.place.bits()));
-    let (stack, memory) = (stack.as_mut_slice(), (&mut *tests, query));
-    let best = trace::<S, Q, P>(simd, searched, (prepared, number), best, (stack, from), memory);
+    let (from, memory) = ((stack, from), (&mut *tests, query));
+    let best = trace::<S, Q, P, WORLD>(simd, searched, prepared, best, from, memory);
     if Q::ALL { Hit::MISS } else { best.answer(searched, ray, tests) }
 }
 
 /// The hit for the query at or below the place of the entry `from`, or `best`, the closest hit so far, for
-/// the ray with that number.
+/// the ray with that number, in the `WORLD` or in a prototype.
 #[inline(always)]
-pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
+pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const WORLD: bool>(
     simd: S,
     searched: Searched<'_>,
     (ray, number): (&PreparedRay, usize),
@@ -58,6 +57,30 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
             next = Some(root);
         }
         let Some(leaf) = next else { continue };
+        if WORLD && let Some(instance) = searched.instance(leaf) {
+            if Q::ALL {
+                continue;
+            }
+            tests.instances += 1;
+            let Some(carried) = searched.carried(instance, &ray.ray, &best) else { continue };
+            let memory = (&mut stack[height..], &mut *tests);
+            let found = outlined(
+                simd,
+                #[inline(always)]
+                || {
+                    let prototype = searched.prototype(instance);
+                    hit::<S, Q, P, false>(simd, prototype, (&carried, number), query, memory)
+                },
+            );
+            if Q::ANY && !found.is_miss() {
+                return Best::of(found);
+            }
+            searched.offer::<P>(instance, found, (&ray.ray, &mut best), tests);
+            continue;
+        }
+        if WORLD && searched.only_instances {
+            continue;
+        }
         let (ray, memory) = ((ray, number), (&mut *tests, &mut *query));
         if leaf::visit::<S, Q, P>(simd, searched, ray, leaf, &mut best, memory) && Q::ANY {
             break;

@@ -17,7 +17,8 @@ use bytemuck::Zeroable;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
-use super::{ArenaView, Best, Kind, Query, Searched, distance, leaf, node, place};
+use super::arena::StandIn;
+use super::{ArenaView, Best, Kind, Query, Ref, Searched, distance, leaf, node, place};
 use crate::counters::{KernelCounts, TestCounts};
 use crate::geometry::PreparedRay;
 use crate::kernels::{Arithmetic, LaneHits};
@@ -36,21 +37,27 @@ pub(super) struct Slot {
     best: Best,
     /// Its number in the batch.
     number: u32,
+    /// The instance in which it is searched, or [`NO_INSTANCE`].
+    instance: u32,
 }
+
+/// The number of no instance.
+const NO_INSTANCE: u32 = u32::MAX;
 
 /// Stack entries of the children of a node.
 #[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(align(64))]
 struct ChildEntries([u64; LANES]);
 
-/// The bottom of a stack, which ends a ray. No list starts at unit 1: the root is at unit 0, and is
-/// either everything or a node of two units.
+/// The bottom of a stack, which ends a ray, or its search in an instance. No list starts at unit 1: the
+/// root is at unit 0, and is either everything or a node of two units.
 const BOTTOM: u32 = 1 << 2 | Kind::List as u32;
 
 /// The memory of a thread's rays in flight.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Flight {
-    /// One for each ray in flight; none without a tree.
+    /// One for each ray in flight, then one for each that is in an instance, as it was outside; none
+    /// without a tree.
     slots: Vec<Slot>,
     /// The stacks, in sequence.
     stacks: Vec<u64>,
@@ -78,9 +85,9 @@ impl Flight {
         // The bottom of the stack, and the places a packet hands over.
         let stride = entries + 1 + MOST_HANDED as usize;
         let ray = PreparedRay::new(&Ray::new(Vec3::ZERO, Vec3::X));
-        let empty = Slot { ray, best: Best::none(0.0), number: 0 };
+        let empty = Slot { ray, best: Best::none(0.0), number: 0, instance: NO_INSTANCE };
         let (stacks, rounds) = (vec![0; stride * FLIGHT], vec![RoundMemory::zeroed()]);
-        Self { slots: vec![empty; FLIGHT], stacks, stride, rounds }
+        Self { slots: vec![empty; 2 * FLIGHT], stacks, stride, rounds }
     }
 }
 
@@ -95,16 +102,20 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     (tests, kernel, query): (&mut TestCounts, &mut KernelCounts, &mut Q),
 ) {
     let Flight { slots, stacks, stride, rounds } = flight;
-    let (Some(slots), Some(round)) = (slots.first_chunk_mut(), rounds.first_mut()) else { return };
+    let (Some((slots, outside)), Some(round)) = (slots.split_first_chunk_mut(), rounds.first_mut())
+    else {
+        return;
+    };
     // There are no steps left from the call before.
     let RoundMemory { next, tops, met, found } = round;
     // Only references and no array, so that everything stays in registers.
     let mut rounds = FlightRounds::<Q, P> {
         searched,
-        arena: searched.tree.arena.view(),
+        arenas: &mut [searched.tree.arena.view(); FLIGHT],
         source: &mut source,
         answers,
         slots,
+        outside,
         stacks,
         tops,
         stride: *stride,
@@ -132,10 +143,13 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 /// written there.
 struct FlightRounds<'a, 'b, Q: Query, P> {
     searched: Searched<'a>,
-    arena: ArenaView<'a>,
+    /// Where each ray is: in the scene or in a prototype.
+    arenas: &'a mut [ArenaView<'a>; FLIGHT],
     source: &'a mut RaySource<'b>,
     answers: &'a mut [Q::Answer],
     slots: &'a mut [Slot; FLIGHT],
+    /// Of rays in instances, as they were outside.
+    outside: &'a mut [Slot],
     /// The stacks of `stride` entries in sequence, and the end of each.
     stacks: &'a mut [u64],
     tops: &'a mut [usize; FLIGHT],
@@ -146,7 +160,7 @@ struct FlightRounds<'a, 'b, Q: Query, P> {
     precision: PhantomData<P>,
 }
 
-impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
+impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
     /// Fills a slot with the next ray of the source, and takes its first step. Returns whether
     /// there is one.
     #[inline(always)]
@@ -158,7 +172,8 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
         let Some(height) = self.source.next::<Q>(self.answers, rest, slot) else { return false };
         *end = entry(f32::NEG_INFINITY, BOTTOM);
         self.tops[index] = bottom + height;
-        self.next.push(self.arena, index, place(self.stacks[bottom + height]));
+        self.arenas[index] = self.searched.tree.arena.view();
+        self.next.push(self.arenas[index], index, place(self.stacks[bottom + height]));
         true
     }
 
@@ -178,7 +193,7 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
             let step = self.next.get(Kind::Node, i);
             let at = step.place();
             let Slot { ray, best, .. } = &self.slots[step.slot()];
-            let node = self.arena.node(at);
+            let node = self.arenas[step.slot()].node(at);
             let (near, mask) = node::children(simd, node, &ray.slab, [ray.ray.t_min, best.high]);
             *children = ChildEntries(simd.entries(near, node::places(simd, node, at)));
             *met = mask.to_bitmask() as u8;
@@ -190,7 +205,7 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
             let top = self.tops[index];
             let top = node::append::<S, Q>(simd, entries, *mask, self.stacks, top) - 1;
             self.tops[index] = top;
-            self.next.push(self.arena, index, place(self.stacks[top]));
+            self.next.push(self.arenas[index], index, place(self.stacks[top]));
         }
     }
 
@@ -203,21 +218,24 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
             let step = self.next.get(Kind::Patch, i);
             let Slot { ray, best, .. } = &self.slots[step.slot()];
             let ray = (&ray.ray, &ray.space);
-            *found = leaf::test::<S, P>(simd, self.arena, ray, step.place(), best.high, self.tests);
+            let arena = self.arenas[step.slot()];
+            *found = leaf::test::<S, P>(simd, arena, ray, step.place(), best.high, self.tests);
         }
         self.tests.leaves += patches as u64;
         for (i, hits) in found.iter().enumerate().take(patches) {
             let step = self.next.get(Kind::Patch, i);
-            let Slot { ray, best, number } = &mut self.slots[step.slot()];
             let met = hits.certain | hits.open;
             let is_closer = met != 0 && {
+                let searched = self.searched_by(step.slot());
+                let Slot { ray, best, number, .. } = &mut self.slots[step.slot()];
                 let (ray, found) = ((&ray.ray, *number as usize), (step.place(), *hits));
                 let memory = (&mut *self.tests, &mut *self.query);
-                leaf::take::<S, Q, P>(simd, self.searched, ray, found, best, memory)
+                leaf::take::<S, Q, P>(simd, searched, ray, found, best, memory)
             };
             if is_closer && Q::NEAREST {
                 // Wanted when the ray is done.
-                self.arena.prefetch_numbers(self.arena.patch(step.place()).head.first);
+                let arena = self.arenas[step.slot()];
+                arena.prefetch_numbers(arena.patch(step.place()).head.first);
             }
             self.go_on(step.slot(), is_closer);
         }
@@ -230,19 +248,29 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
         for i in 0..self.next.take_enough(kind) {
             let step = self.next.get(kind, i);
             let (index, at) = (step.slot(), step.place());
-            let Slot { ray, best, number, .. } = &mut self.slots[index];
             if at.bits() == BOTTOM {
+                if self.tops[index] > index * self.stride {
+                    self.leave(index);
+                    continue;
+                }
+                let Slot { ray, best, number, .. } = &mut self.slots[index];
                 let hit = best.answer(self.searched, &ray.ray, self.tests);
                 self.answers[*number as usize] = Q::answer(hit);
                 self.begin(index);
                 continue;
             }
-            let (searched, tests) = (self.searched, &mut *self.tests);
+            let searched = self.searched_by(index);
             if let Some(root) = searched.chunk(at) {
-                self.next.push(self.arena, index, root);
+                self.next.push(self.arenas[index], index, root);
                 continue;
             }
-            let (ray, memory) = ((&*ray, *number as usize), (tests, &mut *self.query));
+            if !Q::ALL && searched.instance(at).is_some() {
+                self.enter(index, at);
+                continue;
+            }
+            let Slot { ray, best, number, .. } = &mut self.slots[index];
+            let memory = (&mut *self.tests, &mut *self.query);
+            let ray = (&*ray, *number as usize);
             let is_closer = leaf::visit::<S, Q, P>(simd, searched, ray, at, best, memory);
             self.go_on(index, is_closer);
         }
@@ -261,7 +289,55 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
         }
         top -= 1;
         self.tops[index] = top;
-        self.next.push(self.arena, index, place(self.stacks[top]));
+        self.next.push(self.arenas[index], index, place(self.stacks[top]));
+    }
+
+    /// What the ray in a slot is searched in.
+    #[inline(always)]
+    fn searched_by(&self, index: usize) -> Searched<'a> {
+        let instance = self.searched.geometry.instances.get(self.slots[index].instance as usize);
+        instance.map_or(self.searched, |instance| self.searched.prototype(instance))
+    }
+
+    /// Goes on in the prototype of the instance for which the list at `place` stands.
+    #[inline(never)]
+    fn enter(&mut self, index: usize, place: Ref) {
+        self.tests.instances += 1;
+        let slot = &mut self.slots[index];
+        let Some(number) = self.arenas[index].stands_for(StandIn::Instance, place) else { return };
+        let instance = &self.searched.geometry.instances[number];
+        let carried = self.searched.carried(instance, &slot.ray.ray, &slot.best);
+        let prototype = self.searched.prototype(instance);
+        let Some((carried, root)) = carried.zip(prototype.root) else {
+            self.go_on(index, false);
+            return;
+        };
+        let inside = Slot {
+            ray: prototype.prepare(&carried),
+            best: Best::none(carried.t_max),
+            instance: number as u32,
+            ..*slot
+        };
+        self.outside[index] = std::mem::replace(slot, inside);
+        self.arenas[index] = prototype.tree.arena.view();
+        let top = &mut self.tops[index];
+        self.stacks[*top] = entry(f32::NEG_INFINITY, BOTTOM);
+        *top += 1;
+        self.next.push(self.arenas[index], index, root.place);
+    }
+
+    /// Goes on outside of an instance.
+    #[inline(never)]
+    fn leave(&mut self, index: usize) {
+        let inside = std::mem::replace(&mut self.slots[index], self.outside[index]);
+        self.arenas[index] = self.searched.tree.arena.view();
+        let slot = &mut self.slots[index];
+        let instance = &self.searched.geometry.instances[inside.instance as usize];
+        let prototype = self.searched.prototype(instance);
+        let hit = inside.best.answer(prototype, &inside.ray.ray, self.tests);
+        let before = (&slot.ray.ray, &mut slot.best);
+        self.searched.offer::<P>(instance, hit, before, self.tests);
+        self.go_on(index, false);
     }
 }
 

@@ -3,10 +3,14 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use super::{Arena, Kind, Ref, TreeContents, child_of};
-use crate::geometry::{Geometry, Surfaces};
-use crate::kernels::Aabb;
-use crate::math::LANES;
+use super::arena::StandIn;
+use super::{Arena, Best, Hit, Kind, NO_PRIMITIVE, Ref, TreeContents, child_of};
+use crate::counters::TestCounts;
+use crate::geometry::instance::Instance;
+use crate::geometry::{Geometry, PreparedRay, Surfaces};
+use crate::kernels::{Aabb, Arithmetic};
+use crate::math::float::min;
+use crate::math::{LANES, Ray};
 
 /// A bounding volume hierarchy over the primitives of a [`crate::geometry::Geometry`].
 #[derive(Debug, Default)]
@@ -20,6 +24,10 @@ pub struct Tree {
     pub(super) demand: Option<Demand>,
     /// Number of triangles without area, which are not in it.
     pub(super) left_out: u64,
+    /// The factor by which rays are widened for the boxes of instances: see [`Instance::widening`].
+    pub(super) widening: f32,
+    /// Rays whose origins have no larger coordinates need not be widened.
+    pub(super) near: f32,
 }
 
 /// The chunks of a tree that the first rays to reach them build.
@@ -43,10 +51,14 @@ pub(super) struct Chunk {
 pub(super) struct Searched<'a> {
     pub(super) tree: &'a Tree,
     pub(super) geometry: &'a Geometry,
+    /// The trees of prototypes.
+    pub(super) blas: &'a [Tree],
     /// What of the tree is searched.
     pub(super) root: Option<Root>,
     /// See [`Traversal::without_t`](super::Traversal::without_t).
     pub(super) without_t: bool,
+    /// Whether only instances are searched.
+    pub(super) only_instances: bool,
 }
 
 /// A part of a tree, where traversal may start.
@@ -121,7 +133,7 @@ impl Tree {
     /// The root of the chunk that the list at `place` stands for, if it is built.
     pub(super) fn known(&self, place: Ref) -> Option<Ref> {
         let demand = self.demand.as_ref().filter(|_| place.kind() == Kind::List)?;
-        let chunk = demand.chunks.get(self.arena.view().chunk(place)?)?;
+        let chunk = demand.chunks.get(self.arena.view().stands_for(StandIn::Chunk, place)?)?;
         Some(chunk.built.get()?.0)
     }
 
@@ -174,6 +186,58 @@ impl Tree {
     pub(super) fn stack_entries(&self) -> usize {
         let below = if self.demand.is_some() { Demand::MOST_DEPTH } else { 0 };
         (LANES - 1) * (self.census.depth + below) as usize + 2 * LANES
+    }
+}
+
+impl<'a> Searched<'a> {
+    /// All of a tree without instances.
+    pub(super) fn new(tree: &'a Tree, geometry: &'a Geometry) -> Self {
+        let root = tree.root;
+        Self { tree, geometry, blas: &[], root, without_t: false, only_instances: false }
+    }
+
+    /// Prepares a ray for the search.
+    #[inline(always)]
+    pub(super) fn prepare(&self, ray: &Ray) -> PreparedRay {
+        PreparedRay::widened(ray, self.tree.widening)
+    }
+
+    /// The instance for which the list at `place` stands; `None` for other places.
+    #[inline(always)]
+    pub(super) fn instance(&self, place: Ref) -> Option<&'a Instance> {
+        let number = self.tree.arena.view().stands_for(StandIn::Instance, place)?;
+        self.geometry.instances.get(number)
+    }
+
+    /// The prototype of an instance.
+    #[inline(always)]
+    pub(super) fn prototype(&self, instance: &Instance) -> Self {
+        let number = instance.prototype();
+        Self::new(&self.blas[number], &self.geometry.prototypes[number])
+    }
+
+    /// `ray` in the space of an instance's prototype, up to its best hit: one whose t rounds to the same
+    /// number may come first. `None` if it cannot be traced there.
+    #[inline(always)]
+    pub(super) fn carried(&self, instance: &Instance, ray: &Ray, best: &Best) -> Option<Ray> {
+        let carried = instance.carried(ray);
+        let carried = Ray { t_max: min(ray.t_max, best.high.next_up()), ..carried };
+        carried.is_valid().then_some(carried)
+    }
+
+    /// Offers a ray that is back from an instance the `hit` there, which has the prototype's number.
+    #[inline(always)]
+    pub(super) fn offer<P: Arithmetic>(
+        &self,
+        instance: &Instance,
+        Hit { t, primitive }: Hit,
+        (ray, best): (&Ray, &mut Best),
+        tests: &mut TestCounts,
+    ) {
+        if primitive != NO_PRIMITIVE {
+            let hit = Hit { t, primitive: instance.first() + primitive };
+            best.offer::<P>(*self, ray, Best::of(hit), tests);
+        }
     }
 }
 

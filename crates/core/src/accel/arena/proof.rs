@@ -93,7 +93,7 @@ impl Proof<'_> {
             Kind::List => {
                 let count = rest.first()?.0[0] as usize;
                 rest.get(..list_units(count))?;
-                // Without a number, it stands for a chunk.
+                // Without a number, it stands for something else.
                 census.lists += u64::from(count > 0);
             }
         }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::order::Chunks;
 use super::piece::{from_obvhs, to_obvhs};
 use super::{BuildPlan, ChunkSizes, Piece, ROOM_OF_LISTED};
-use crate::accel::arena::{self, MAX_UNITS, NODE_UNITS};
+use crate::accel::arena::{self, MAX_UNITS, NODE_UNITS, StandIn};
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::accel::{Arena, Chunk, Demand, Kind, Root, Tree, Unit, Units};
 use crate::geometry::{Geometry, Surfaces};
@@ -32,13 +32,14 @@ const REINSERTED: f32 = 0.2;
 /// gives.
 pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: ChunkSizes) -> Option<Tree> {
     let Chunks { entries, chunks, counts } = chunks;
-    let parts = if chunks.len() == 1 { 1 } else { cut.parts };
+    let instances = plan.instances.len();
+    let parts = if chunks.len() + instances == 1 { 1 } else { cut.parts };
     // A piece may open its last node for more parts than were asked for.
-    let ahead = ahead((parts + LANES) * chunks.len());
+    let ahead = ahead((parts + LANES) * chunks.len() + instances);
     let listed = plan.geometry.quadrics.len() * ROOM_OF_LISTED;
     let few_shared = if plan.weld { 2 } else { 1 };
     let room = (entries.len() * cut.room * few_shared + listed).div_ceil(size_of::<Unit>());
-    let units = Units::zeroed(ahead + room, ahead);
+    let units = Units::zeroed(ahead + room + instances, ahead);
     progress::expect(entries.len() as u64);
     let build = |piece: &mut Piece, (own, _): (Range<usize>, Aabb)| {
         let count = own.len() as u64;
@@ -49,35 +50,37 @@ pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: ChunkSizes) -> Option
         Some(own)
     };
     let parts: Option<Vec<_>> = chunks.into_par_iter().map_init(Piece::default, build).collect();
-    joined(plan, (units, ahead), entries, &of_surfaces(&parts?, counts).map(<[_]>::concat))
+    joined(plan, (units, ahead), entries, of_surfaces(&parts?, counts).map(<[_]>::concat))
 }
 
 /// A tree whose chunks are built by the rays that reach them; `None` if there is no room for it and
 /// as much for everything else.
 pub(super) fn on_demand(plan: &BuildPlan, chunks: Chunks) -> Option<Tree> {
     let Chunks { entries, chunks, counts } = chunks;
-    let ahead = ahead(chunks.len());
-    let room = chunks.len() + entries.len() * Demand::MOST_UNITS;
+    let ahead = ahead(chunks.len() + plan.instances.len());
+    let room = chunks.len() + plan.instances.len() + entries.len() * Demand::MOST_UNITS;
     if ahead + room > MAX_UNITS {
         return None;
     }
     let units = Units::mapped(ahead + room, ahead)?;
     // Where address space is limited, all else must find room too: a probe, unmapped at once.
     drop(Units::mapped(ahead + room, 0)?);
-    let place = |(chunk, &(_, bounds)): (usize, &(_, Aabb))| {
-        // An empty list with the number of the chunk. No such part shares a leaf or can be divided, so
-        // costs do not matter.
-        let mut list = Unit::zeroed();
-        list.0[1] = chunk as u32;
-        let unit = units.append(&[list])?;
-        Some(Part { bounds, kind: Kind::List, unit, cost: 0.0 })
-    };
-    let parts: Option<Vec<_>> = chunks.iter().enumerate().map(place).collect();
+    let place = |(number, &(_, bounds))| stand_in(&units, StandIn::Chunk, (number, bounds));
+    let parts: Option<Vec<_>> = (0..).zip(&chunks).map(place).collect();
     let parts = of_surfaces(&parts?, counts).map(<[_]>::to_vec);
-    let tree = joined(plan, (units, ahead), entries, &parts)?;
+    let tree = joined(plan, (units, ahead), entries, parts)?;
     let unbuilt = |(entries, _)| Chunk { entries, built: OnceLock::new() };
     let chunks = chunks.into_iter().map(unbuilt).collect();
     Some(Tree { demand: Some(Demand { extents: plan.extents, chunks }), ..tree })
+}
+
+/// The part that stands for a chunk or an instance with that number and box: an empty list. It shares no
+/// leaf and cannot be divided, so costs do not matter.
+fn stand_in(units: &Units, what: StandIn, (number, bounds): (u32, Aabb)) -> Option<Part> {
+    let mut list = Unit::zeroed();
+    (list.0[1], list.0[2]) = (what as u32, number);
+    let unit = units.append(&[list])?;
+    Some(Part { bounds, kind: Kind::List, unit, cost: 0.0 })
 }
 
 /// The units that the nodes above this many parts need at most: fewer nodes than parts, plus those
@@ -92,17 +95,21 @@ fn of_surfaces<T>(all: &[T], counts: [usize; 3]) -> [&[T]; 3] {
     counts.map(|count| rest.split_off(..count).unwrap_or_default())
 }
 
-/// The tree of the parts of each kind of surfaces, which are in `units` behind the room `ahead`.
+/// The tree of the parts of each kind of surfaces, which are in `units` behind the room `ahead`, and of instances,
+/// which are opaque.
 fn joined(
     plan: &BuildPlan,
     (mut units, ahead): (Units, usize),
     numbers: Vec<AtomicU32>,
-    parts: &[Vec<Part>; 3],
+    mut parts: [Vec<Part>; 3],
 ) -> Option<Tree> {
+    let instances = plan.instances.iter();
+    let instances = instances.map(|&instance| stand_in(&units, StandIn::Instance, instance));
+    parts[Surfaces::Opaque as usize].extend(instances.collect::<Option<Vec<_>>>()?);
     let mut above = Above { units: Vec::new(), start: ahead };
     // From the last to the first, as each is written before those that are there.
     let mut own = [None; Surfaces::ALL.len()];
-    for (own, parts) in own.iter_mut().zip(parts).rev() {
+    for (own, parts) in own.iter_mut().zip(&parts).rev() {
         *own = above.join(plan.geometry, parts);
     }
     let whole = above.join(plan.geometry, &own.into_iter().flatten().collect::<Vec<_>>())?;

@@ -9,6 +9,7 @@
 use std::cell::RefCell;
 
 use super::{BuildPlan, Piece, Preset};
+use crate::accel::arena::StandIn;
 use crate::accel::{Chunk, Demand, Kind, Ref, Searched};
 
 thread_local! {
@@ -33,7 +34,8 @@ impl Searched<'_> {
     #[inline(never)]
     fn root_of(&self, demand: &Demand, place: Ref) -> Option<Ref> {
         let (arena, geometry) = (&self.tree.arena, self.geometry);
-        let Chunk { entries, built } = demand.chunks.get(arena.view().chunk(place)?)?;
+        let Chunk { entries, built } =
+            demand.chunks.get(arena.view().stands_for(StandIn::Chunk, place)?)?;
         let build = |piece: &mut Piece| {
             let plan = BuildPlan::new(geometry, Preset::OnDemand, demand.extents);
             let parts = piece.parts(&plan, arena.numbers(), entries.clone(), 1);

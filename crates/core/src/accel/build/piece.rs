@@ -23,12 +23,14 @@ pub(super) struct BuildPlan<'a> {
     pub(super) extents: Aabb,
     /// Whether vertices repeat positions and are compared by them.
     pub(super) weld: bool,
+    /// The boxes of instances, without those that show nothing, each with the number of its instance.
+    pub(super) instances: Vec<(u32, Aabb)>,
 }
 
 impl<'a> BuildPlan<'a> {
     pub(super) fn new(geometry: &'a Geometry, preset: Preset, extents: Aabb) -> Self {
         let weld = geometry.positions.len() > WELD_ABOVE * geometry.triangles.len() / 4;
-        Self { geometry, preset, extents, weld }
+        Self { geometry, preset, extents, weld, instances: Vec::new() }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::math::Lanes;
 
 /// A tile has at least this many rays: fewer share too little. With 12, 28 and 36, mirror rays in
 /// rooms took 2 to 14 per cent longer.
-const FEWEST: u32 = 20;
+pub(super) const FEWEST: u32 = 20;
 
 /// Rays along an edge of a tile.
 const TILE_EDGE: usize = 8;

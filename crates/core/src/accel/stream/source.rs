@@ -1,8 +1,7 @@
 //! The rays that packets leave to the kernel in flight.
 
-use super::Slot;
-use crate::accel::{Best, Hit, Query, Rays, Root, distance};
-use crate::geometry::PreparedRay;
+use super::{NO_INSTANCE, Slot};
+use crate::accel::{Best, Hit, Query, Rays, Root, Searched, distance};
 use crate::kernels::SlabRay;
 use crate::math::{Ray, entry};
 
@@ -54,6 +53,7 @@ pub(crate) struct RaySource<'a> {
     pub(crate) handed: &'a mut HandedRays,
     /// The first of the rays that no packet took. They start at the root.
     pub(crate) next: usize,
+    pub(crate) searched: Searched<'a>,
     pub(crate) root: Root,
 }
 
@@ -116,7 +116,8 @@ impl RaySource<'_> {
         if Q::ALL && !SlabRay::new(&ray).meets(&ray, &self.root.bounds) {
             return None;
         }
-        (slot.ray, slot.number) = (PreparedRay::new(&ray), number as u32);
+        let prepared = self.searched.prepare(&ray);
+        (slot.ray, slot.number, slot.instance) = (prepared, number as u32, NO_INSTANCE);
         Some(ray)
     }
 }
