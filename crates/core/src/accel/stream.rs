@@ -111,6 +111,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     // Only references and no array, so that everything stays in registers.
     let mut rounds = FlightRounds::<Q, P> {
         searched,
+        arena: searched.tree.arena.view(),
         arenas: &mut [searched.tree.arena.view(); FLIGHT],
         source: &mut source,
         answers,
@@ -143,7 +144,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 /// written there.
 struct FlightRounds<'a, 'b, Q: Query, P> {
     searched: Searched<'a>,
-    /// Where each ray is: in the scene or in a prototype.
+    arena: ArenaView<'a>,
+    /// That of each ray among instances: the scene's or that of a prototype.
     arenas: &'a mut [ArenaView<'a>; FLIGHT],
     source: &'a mut RaySource<'b>,
     answers: &'a mut [Q::Answer],
@@ -172,8 +174,8 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
         let Some(height) = self.source.next::<Q>(self.answers, rest, slot) else { return false };
         *end = entry(f32::NEG_INFINITY, BOTTOM);
         self.tops[index] = bottom + height;
-        self.arenas[index] = self.searched.tree.arena.view();
-        self.next.push(self.arenas[index], index, place(self.stacks[bottom + height]));
+        self.arenas[index] = self.arena;
+        self.next.push(self.arena(index), index, place(self.stacks[bottom + height]));
         true
     }
 
@@ -193,7 +195,7 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
             let step = self.next.get(Kind::Node, i);
             let at = step.place();
             let Slot { ray, best, .. } = &self.slots[step.slot()];
-            let node = self.arenas[step.slot()].node(at);
+            let node = self.arena(step.slot()).node(at);
             let (near, mask) = node::children(simd, node, &ray.slab, [ray.ray.t_min, best.high]);
             *children = ChildEntries(simd.entries(near, node::places(simd, node, at)));
             *met = mask.to_bitmask() as u8;
@@ -205,7 +207,7 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
             let top = self.tops[index];
             let top = node::append::<S, Q>(simd, entries, *mask, self.stacks, top) - 1;
             self.tops[index] = top;
-            self.next.push(self.arenas[index], index, place(self.stacks[top]));
+            self.next.push(self.arena(index), index, place(self.stacks[top]));
         }
     }
 
@@ -218,7 +220,7 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
             let step = self.next.get(Kind::Patch, i);
             let Slot { ray, best, .. } = &self.slots[step.slot()];
             let ray = (&ray.ray, &ray.space);
-            let arena = self.arenas[step.slot()];
+            let arena = self.arena(step.slot());
             *found = leaf::test::<S, P>(simd, arena, ray, step.place(), best.high, self.tests);
         }
         self.tests.leaves += patches as u64;
@@ -234,7 +236,7 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
             };
             if is_closer && Q::NEAREST {
                 // Wanted when the ray is done.
-                let arena = self.arenas[step.slot()];
+                let arena = self.arena(step.slot());
                 arena.prefetch_numbers(arena.patch(step.place()).head.first);
             }
             self.go_on(step.slot(), is_closer);
@@ -261,7 +263,7 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
             }
             let searched = self.searched_by(index);
             if let Some(root) = searched.chunk(at) {
-                self.next.push(self.arenas[index], index, root);
+                self.next.push(self.arena(index), index, root);
                 continue;
             }
             if !Q::ALL && searched.instance(at).is_some() {
@@ -289,12 +291,22 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
         }
         top -= 1;
         self.tops[index] = top;
-        self.next.push(self.arenas[index], index, place(self.stacks[top]));
+        self.next.push(self.arena(index), index, place(self.stacks[top]));
+    }
+
+    /// The arena in which the ray in a slot is.
+    // Without instances, nothing waits for loads, of which most scenes need none.
+    #[inline(always)]
+    fn arena(&self, index: usize) -> ArenaView<'a> {
+        if self.searched.blas.is_empty() { self.arena } else { self.arenas[index] }
     }
 
     /// What the ray in a slot is searched in.
     #[inline(always)]
     fn searched_by(&self, index: usize) -> Searched<'a> {
+        if self.searched.blas.is_empty() {
+            return self.searched;
+        }
         let instance = self.searched.geometry.instances.get(self.slots[index].instance as usize);
         instance.map_or(self.searched, |instance| self.searched.prototype(instance))
     }
@@ -323,14 +335,14 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
         let top = &mut self.tops[index];
         self.stacks[*top] = entry(f32::NEG_INFINITY, BOTTOM);
         *top += 1;
-        self.next.push(self.arenas[index], index, root.place);
+        self.next.push(self.arena(index), index, root.place);
     }
 
     /// Goes on outside of an instance.
     #[inline(never)]
     fn leave(&mut self, index: usize) {
         let inside = std::mem::replace(&mut self.slots[index], self.outside[index]);
-        self.arenas[index] = self.searched.tree.arena.view();
+        self.arenas[index] = self.arena;
         let slot = &mut self.slots[index];
         let instance = &self.searched.geometry.instances[inside.instance as usize];
         let prototype = self.searched.prototype(instance);
