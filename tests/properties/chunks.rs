@@ -1,8 +1,9 @@
-use glam::Vec3;
+use glam::{DAffine3, DQuat, DVec3, Vec3};
 use wavecrest_core::accel::arena::TreeContents;
 use wavecrest_core::accel::build::{ChunkSizes, Preset, build};
 use wavecrest_core::accel::tree::Tree;
 use wavecrest_core::accel::{Accel, Hit};
+use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::geometry::{Geometry, Primitive, Quadric};
 use wavecrest_core::kernels::quad;
 use wavecrest_core::kernels::slab::Aabb;
@@ -225,5 +226,41 @@ fn hc22_around_one_another_most_are_not_tested() {
         let hit = accel.closest(&Ray::new(Vec3::Z * 9.0, Vec3::NEG_Z), &mut traversal);
         assert_eq!(hit.primitive, 999);
         assert!(traversal.tests.primitives.spheres < 100, "{preset:?}: {:?}", traversal.tests);
+    }
+}
+
+/// As trees of all sizes that stand at one place, among others: they are joined in parts.
+#[test]
+fn many_nested_instances_are_found_as_by_brute_force() {
+    let mut prototype = Geometry::default();
+    let corner = |x: u8, y: u8| Vec3::new(f32::from(x), f32::from(y), 0.5);
+    add_triangle(&mut prototype, [corner(0, 0), corner(1, 0), corner(0, 1)]);
+    let bounds = Aabb { low: Vec3::ZERO, high: Vec3::ONE };
+    let instance = |i: u32| {
+        let scale = DVec3::splat(1.0 + f64::from(i) / 300.0);
+        let place = if i % 4 == 0 { DVec3::new(f64::from(i), 0.0, 0.0) } else { DVec3::ZERO };
+        let world = DAffine3::from_scale_rotation_translation(scale, DQuat::IDENTITY, place);
+        Instance::new(0, i, world, &bounds)
+    };
+    let instances = (0..3000).map(instance).collect();
+    let geometry = Geometry { prototypes: vec![prototype], instances, ..Geometry::default() };
+    let rays: Vec<Ray> = (0..300)
+        .map(|i| {
+            let [x, y, far, z] = random(i, 0);
+            let x = if i % 2 == 0 { 12.0 * x } else { 3000.0 * far };
+            let target = Vec3::new(x, 12.0 * y, 12.0 * z);
+            Ray::new(Vec3::new(x, 3.0, -2.0), target - Vec3::new(x, 3.0, -2.0))
+        })
+        .collect();
+    let closest = |preset| {
+        let accel = Accel::new(geometry.clone(), preset);
+        let mut found = vec![Hit::MISS; rays.len()];
+        accel.closest_of(&rays[..], &mut found, &mut accel.traversal());
+        found
+    };
+    let expected = closest(Preset::Brute);
+    assert!(expected.iter().filter(|hit| !hit.is_miss()).count() > 50);
+    for preset in [Preset::OnDemand, Preset::Fastest, Preset::Medium] {
+        assert_eq!(closest(preset), expected, "{preset:?}");
     }
 }

@@ -28,6 +28,9 @@ use wavecrest_base::progress;
 /// The share of the nodes above the parts that is reinserted at a time: more gained nothing.
 const REINSERTED: f32 = 0.2;
 
+/// Most instances that are joined at a time: a bottom-up builder takes quadratic time over boxes that are nested.
+const JOINED: usize = 1024;
+
 /// Builds the tree; there is none over nothing, nor over a scene that needs more room than `cut`
 /// gives.
 pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: ChunkSizes) -> Option<Tree> {
@@ -35,7 +38,7 @@ pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: ChunkSizes) -> Option
     let instances = plan.instances.len();
     let parts = if chunks.len() + instances == 1 { 1 } else { cut.parts };
     // A piece may open its last node for more parts than were asked for.
-    let ahead = ahead((parts + LANES) * chunks.len() + instances);
+    let ahead = ahead((parts + LANES) * chunks.len() + joined_apart(instances));
     let listed = plan.geometry.quadrics.len() * ROOM_OF_LISTED;
     let few_shared = if plan.weld { 2 } else { 1 };
     let room = (entries.len() * cut.room * few_shared + listed).div_ceil(size_of::<Unit>());
@@ -57,7 +60,7 @@ pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: ChunkSizes) -> Option
 /// as much for everything else.
 pub(super) fn on_demand(plan: &BuildPlan, chunks: Chunks) -> Option<Tree> {
     let Chunks { entries, chunks, counts } = chunks;
-    let ahead = ahead(chunks.len() + plan.instances.len());
+    let ahead = ahead(chunks.len() + joined_apart(plan.instances.len()));
     let room = chunks.len() + plan.instances.len() + entries.len() * Demand::MOST_UNITS;
     if ahead + room > MAX_UNITS {
         return None;
@@ -89,6 +92,11 @@ fn ahead(parts: usize) -> usize {
     NODE_UNITS * (parts + LANES)
 }
 
+/// So many parts need as many nodes as these instances: those that opening the last nodes may add are far fewer.
+fn joined_apart(instances: usize) -> usize {
+    instances + instances / LANES
+}
+
 /// What chunks gave, by kind of surfaces, of which there are so many chunks.
 fn of_surfaces<T>(all: &[T], counts: [usize; 3]) -> [&[T]; 3] {
     let mut rest = all;
@@ -105,8 +113,12 @@ fn joined(
 ) -> Option<Tree> {
     let instances = plan.instances.iter();
     let instances = instances.map(|&instance| stand_in(&units, StandIn::Instance, instance));
-    parts[Surfaces::Opaque as usize].extend(instances.collect::<Option<Vec<_>>>()?);
+    let mut instances = instances.collect::<Option<Vec<_>>>()?;
     let mut above = Above { units: Vec::new(), start: ahead };
+    while instances.len() > JOINED {
+        instances = above.join_apart(plan.geometry, &mut instances)?;
+    }
+    parts[Surfaces::Opaque as usize].extend(instances);
     // From the last to the first, as each is written before those that are there.
     let mut own = [None; Surfaces::ALL.len()];
     for (own, parts) in own.iter_mut().zip(&parts).rev() {
@@ -137,6 +149,25 @@ struct Above {
 }
 
 impl Above {
+    /// Joins parts that are near to each other, up to [`JOINED`] at a time.
+    fn join_apart(&mut self, geometry: &Geometry, parts: &mut [Part]) -> Option<Vec<Part>> {
+        if parts.len() <= JOINED {
+            return Some(vec![self.join(geometry, parts)?]);
+        }
+        let middle = |part: &Part| part.bounds.low + part.bounds.high;
+        let centers = parts.iter().map(|part| Aabb::around([middle(part)]));
+        let around = centers.fold(Aabb::EMPTY, Aabb::union);
+        let axis = (around.high - around.low).max_position();
+        let half = parts.len() / 2;
+        parts.select_nth_unstable_by(half, |a, b| {
+            middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.unit.cmp(&b.unit))
+        });
+        let (left, right) = parts.split_at_mut(half);
+        let mut joined = self.join_apart(geometry, left)?;
+        joined.extend(self.join_apart(geometry, right)?);
+        Some(joined)
+    }
+
     /// Joins some parts by nodes, which come before those that are there; `None` without parts.
     fn join(&mut self, geometry: &Geometry, parts: &[Part]) -> Option<Part> {
         if let [] | [_] = parts {
