@@ -121,7 +121,12 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     kernel.rays_a_node.add(coherence.rays, coherence.visits);
     if !handed.queue.is_empty() || next < rays.count() {
         let source = RaySource { rays, handed, next, searched, root };
-        stream::trace::<S, Q, P>(simd, searched, source, answers, flight, (tests, kernel, query));
+        let memory = (tests, kernel, query);
+        if Q::ALL || searched.blas.is_empty() {
+            stream::trace::<S, Q, P, false>(simd, searched, source, answers, flight, memory);
+        } else {
+            stream::trace::<S, Q, P, true>(simd, searched, source, answers, flight, memory);
+        }
     }
 }
 

@@ -91,9 +91,9 @@ impl Flight {
     }
 }
 
-/// Answers all rays of `source`.
+/// Answers all rays of `source`, in a scene with `INSTANCES` or without: there, all rays are in one arena.
 #[inline(always)]
-pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
+pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const INSTANCES: bool>(
     simd: S,
     searched: Searched<'_>,
     mut source: RaySource<'_>,
@@ -109,7 +109,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     // There are no steps left from the call before.
     let RoundMemory { next, tops, met, found } = round;
     // Only references and no array, so that everything stays in registers.
-    let mut rounds = FlightRounds::<Q, P> {
+    let mut rounds = FlightRounds::<Q, P, INSTANCES> {
         searched,
         arena: searched.tree.arena.view(),
         arenas: &mut [searched.tree.arena.view(); FLIGHT],
@@ -142,7 +142,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 
 /// Rays in flight, round by round. Lists of steps are read from the front while later steps are
 /// written there.
-struct FlightRounds<'a, 'b, Q: Query, P> {
+struct FlightRounds<'a, 'b, Q: Query, P, const INSTANCES: bool> {
     searched: Searched<'a>,
     arena: ArenaView<'a>,
     /// That of each ray among instances: the scene's or that of a prototype.
@@ -162,7 +162,7 @@ struct FlightRounds<'a, 'b, Q: Query, P> {
     precision: PhantomData<P>,
 }
 
-impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
+impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q, P, INSTANCES> {
     /// Fills a slot with the next ray of the source, and takes its first step. Returns whether
     /// there is one.
     #[inline(always)]
@@ -171,10 +171,14 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
         let stack = &mut self.stacks[bottom..][..self.stride];
         let Some((end, rest)) = stack.split_first_mut() else { return false };
         let slot = &mut self.slots[index];
-        let Some(height) = self.source.next::<Q>(self.answers, rest, slot) else { return false };
+        let Some(height) = self.source.next::<Q, INSTANCES>(self.answers, rest, slot) else {
+            return false;
+        };
         *end = entry(f32::NEG_INFINITY, BOTTOM);
         self.tops[index] = bottom + height;
-        self.arenas[index] = self.arena;
+        if INSTANCES {
+            self.arenas[index] = self.arena;
+        }
         self.next.push(self.arena(index), index, place(self.stacks[bottom + height]));
         true
     }
@@ -251,7 +255,7 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
             let step = self.next.get(kind, i);
             let (index, at) = (step.slot(), step.place());
             if at.bits() == BOTTOM {
-                if self.tops[index] > index * self.stride {
+                if INSTANCES && self.tops[index] > index * self.stride {
                     self.leave(index);
                     continue;
                 }
@@ -266,7 +270,7 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
                 self.next.push(self.arena(index), index, root);
                 continue;
             }
-            if !Q::ALL && searched.instance(at).is_some() {
+            if INSTANCES && searched.instance(at).is_some() {
                 self.enter(index, at);
                 continue;
             }
@@ -295,16 +299,15 @@ impl<'a, Q: Query, P: Arithmetic> FlightRounds<'a, '_, Q, P> {
     }
 
     /// The arena in which the ray in a slot is.
-    // Without instances, nothing waits for loads, of which most scenes need none.
     #[inline(always)]
     fn arena(&self, index: usize) -> ArenaView<'a> {
-        if self.searched.blas.is_empty() { self.arena } else { self.arenas[index] }
+        if INSTANCES { self.arenas[index] } else { self.arena }
     }
 
     /// What the ray in a slot is searched in.
     #[inline(always)]
     fn searched_by(&self, index: usize) -> Searched<'a> {
-        if self.searched.blas.is_empty() {
+        if !INSTANCES {
             return self.searched;
         }
         let instance = self.searched.geometry.instances.get(self.slots[index].instance as usize);

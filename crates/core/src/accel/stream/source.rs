@@ -2,6 +2,7 @@
 
 use super::{NO_INSTANCE, Slot};
 use crate::accel::{Best, Hit, Query, Rays, Root, Searched, distance};
+use crate::geometry::PreparedRay;
 use crate::kernels::SlabRay;
 use crate::math::{Ray, entry};
 
@@ -61,7 +62,7 @@ impl RaySource<'_> {
     /// Fills `slot` with the next ray to trace and `stack` with its first entries, and returns
     /// their number. Rays that need no tracing are answered on the way.
     #[inline(always)]
-    pub(super) fn next<Q: Query>(
+    pub(super) fn next<Q: Query, const INSTANCES: bool>(
         &mut self,
         answers: &mut [Q::Answer],
         stack: &mut [u64],
@@ -69,7 +70,7 @@ impl RaySource<'_> {
     ) -> Option<usize> {
         while let Some(number) = self.handed.queue.pop() {
             let number = number as usize;
-            let Some(ray) = self.prepare::<Q>(number, answers, slot) else { continue };
+            let Some(ray) = self.prepare::<Q, INSTANCES>(number, answers, slot) else { continue };
             let Some(hit) = Q::go_on(answers[number]) else { continue };
             let best = if hit.is_miss() { Best::none(ray.t_max) } else { Best::of(hit) };
             let (mut entries, reach) = (0, slot.ray.slab.reach(best.high));
@@ -91,7 +92,7 @@ impl RaySource<'_> {
             if Q::ALL && Q::go_on(answers[number]).is_none() {
                 continue;
             }
-            let Some(ray) = self.prepare::<Q>(number, answers, slot) else { continue };
+            let Some(ray) = self.prepare::<Q, INSTANCES>(number, answers, slot) else { continue };
             stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
             slot.best = Best::none(ray.t_max);
             return Some(1);
@@ -102,7 +103,7 @@ impl RaySource<'_> {
     /// Prepares the ray with that number, or answers it, if it cannot be traced. Of rays of which all is asked for that
     /// they cross, most meet nothing, not even the root.
     #[inline(always)]
-    fn prepare<Q: Query>(
+    fn prepare<Q: Query, const INSTANCES: bool>(
         &self,
         number: usize,
         answers: &mut [Q::Answer],
@@ -116,7 +117,7 @@ impl RaySource<'_> {
         if Q::ALL && !SlabRay::new(&ray).meets(&ray, &self.root.bounds) {
             return None;
         }
-        let prepared = self.searched.prepare(&ray);
+        let prepared = if INSTANCES { self.searched.prepare(&ray) } else { PreparedRay::new(&ray) };
         (slot.ray, slot.number, slot.instance) = (prepared, number as u32, NO_INSTANCE);
         Some(ray)
     }
