@@ -238,7 +238,8 @@ fn many_nested_instances_are_found_as_by_brute_force() {
     let bounds = Aabb { low: Vec3::ZERO, high: Vec3::ONE };
     let instance = |i: u32| {
         let scale = DVec3::splat(1.0 + f64::from(i) / 300.0);
-        let place = if i.is_multiple_of(4) { DVec3::new(f64::from(i), 0.0, 0.0) } else { DVec3::ZERO };
+        let place =
+            if i.is_multiple_of(4) { DVec3::new(f64::from(i), 0.0, 0.0) } else { DVec3::ZERO };
         let world = DAffine3::from_scale_rotation_translation(scale, DQuat::IDENTITY, place);
         Instance::new(0, i, world, &bounds)
     };
