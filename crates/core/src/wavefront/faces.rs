@@ -22,6 +22,9 @@ pub(super) fn fetch<'a, F: Single>(
     scene: &PreparedScene,
     ray: impl Fn(usize) -> Ray + Copy,
 ) -> &'a [Group<F>] {
+    for face in if with_corners { faces } else { &[] } {
+        scene.accel.geometry().prefetch_corners(face.primitive);
+    }
     let count = faces.len().div_ceil(F::LANES).min(GROUPS);
     for (group, faces) in groups.iter_mut().zip(faces.chunks(F::LANES)) {
         group.begin(faces, &scene.appearance);

@@ -115,6 +115,7 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
             }
             let kind = geometry.kind(primitive);
             let face = Face { ray: i as u32, primitive, shape: last as u32 };
+            geometry.prefetch_vertices(primitive);
             if is_plain {
                 let waiting = &mut waiting[kind as usize];
                 waiting.push(face);
