@@ -12,7 +12,6 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use crate::accel::prefetch;
 use crate::counters::{PrimitiveCounts, TestCounts};
 use crate::kernels::{Aabb, Arithmetic, Precision, ShearedSpace, SlabRay, quad, triangle};
 use crate::math::Ray;
@@ -231,20 +230,6 @@ impl Geometry {
     pub fn triangle(&self, index: usize) -> [Vec3; 3] {
         let [a, b, c] = self.triangles[index];
         [self.position(a), self.position(b), self.position(c)]
-    }
-
-    /// Prefetches the vertex numbers of a primitive, if it is a triangle: for [`Self::prefetch_corners`].
-    #[inline(always)]
-    pub(crate) fn prefetch_vertices(&self, number: u32) {
-        prefetch(self.triangles.as_ptr().wrapping_add(number as usize).cast());
-    }
-
-    /// Prefetches the corners of a primitive, if it is a triangle.
-    #[inline(always)]
-    pub(crate) fn prefetch_corners(&self, number: u32) {
-        for &vertex in self.triangles.get(number as usize).into_iter().flatten() {
-            prefetch(self.positions.as_ptr().wrapping_add(vertex as usize).cast());
-        }
     }
 
     /// The corners of a quad.

@@ -228,17 +228,17 @@ impl Camera {
     /// and the origin does not change.
     #[inline(always)]
     pub fn differential<F: Single>(&self, direction: Vector<F>, share: f64) -> Differential<F> {
-        let direction = direction.widen();
-        let ahead = direction.dot(Vector::alike(direction.x, self.forward.as_dvec3()));
+        let token = direction.x.token();
+        let ahead = direction.dot(Vector::splat(token, self.forward));
         let [width, height] = self.size.map(f64::from);
         let [right, up] = self.half.map(|half| half.as_dvec3());
         let changes = both(
             [right * (2.0 / width * share), up * (-2.0 / height * share)],
             #[inline(always)]
             |step| {
-                let step = Vector::alike(direction.x, step);
+                let step = Vector::splat(token, step.as_vec3());
                 let across = step - direction.scale(direction.dot(step));
-                Vector::<F>::narrow(across.scale(ahead))
+                across.scale(ahead)
             },
         );
         let still = Vector::splat(changes[0].x.token(), Vec3::ZERO);

@@ -7,8 +7,8 @@
 //! reflection or refraction turns it ([`Differential::turned`]). At a surface, the change of the point becomes
 //! a change of texture coordinates: [`PlanarMap::change`], [`sphere_uv_change`] and [`uv_change`].
 //!
-//! Each step is computed in double precision and rounded once. At grazing angles the derivative is
-//! unbounded, so results may be infinite or NaN. They stay so: textures use the coarsest level for
+//! Only places in triangles, whose edges may be nearly parallel, are computed in double precision. At grazing angles the
+//! derivative is unbounded, so results may be infinite or NaN. They stay so: textures use the coarsest level for
 //! values that are not finite ([`Image::level`]).
 //!
 //! [`Camera::differential`]: super::camera::Camera::differential
@@ -32,16 +32,15 @@ impl<F: Single> Differential<F> {
     /// normals, on either side: neighbouring rays meet the plane through the point.
     #[inline(always)]
     pub fn at(&self, direction: Vector<F>, t: F, normal: Vector<F>) -> [Vector<F>; 2] {
-        let (ahead, normal, t) = (direction.widen(), normal.widen(), t.widen());
-        let towards = ahead.dot(normal);
+        let towards = direction.dot(normal);
         let ([right, down], [turn_right, turn_down]) = (self.origin, self.direction);
         both(
             [(right, turn_right), (down, turn_down)],
             #[inline(always)]
-            |(origin, direction)| {
-                let sideways = origin.widen() + direction.widen().scale(t);
+            |(origin, turn)| {
+                let sideways = origin + turn.scale(t);
                 let farther = -sideways.dot(normal) / towards;
-                Vector::narrow(sideways + ahead.scale(farther))
+                sideways + direction.scale(farther)
             },
         )
     }
@@ -64,9 +63,8 @@ impl<F: Single> Differential<F> {
         steps: [Vector<F>; 2],
         normal: Vector<F>,
         turns: [Vector<F>; 2],
-        refracted: Option<(Vector<F>, F::Double)>,
+        refracted: Option<(Vector<F>, F)>,
     ) -> Self {
-        let (direction, normal) = (direction.widen(), normal.widen());
         let before = direction.dot(normal);
         // What the direction, with this weight, moves along the normal, and how that changes with
         // `before`. Mirrored, it leaves as far from the plane as it arrives.
@@ -74,7 +72,7 @@ impl<F: Single> Differential<F> {
         let (ratio, along, change_along) = match refracted {
             None => (before.same(1.0), two * before, two),
             Some((bent, ratio)) => {
-                let behind = bent.widen().dot(normal);
+                let behind = bent.dot(normal);
                 (ratio, ratio * before - behind, ratio - ratio * ratio * before / behind)
             }
         };
@@ -83,10 +81,9 @@ impl<F: Single> Differential<F> {
             [(right, turn_right), (down, turn_down)],
             #[inline(always)]
             |(change, turn)| {
-                let (change, turn) = (change.widen(), turn.widen());
                 let cosine_changes = change.dot(normal) + direction.dot(turn);
                 let moved = turn.scale(along) + normal.scale(change_along * cosine_changes);
-                Vector::narrow(change.scale(ratio) - moved)
+                change.scale(ratio) - moved
             },
         );
         Self { origin: steps, direction }

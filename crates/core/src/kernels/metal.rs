@@ -38,23 +38,19 @@ const GREATEST_EXPONENT: f64 = 10_000.0;
 ///   (Karis, *Specular BRDF Reference*, 2013),
 /// - ks = (1 - r) min(1, f (n + 2) / 8): the height of that highlight, reduced with roughness.
 #[inline(always)]
-pub fn look<D: Real<Element = f64>>(
-    color: Vector<D>,
-    metallic: D,
-    roughness: D,
-) -> MetalParameters<D> {
-    let (one, zero) = (metallic.same(1.0), metallic.zero());
-    let dielectric = (one - metallic).times(DIELECTRIC);
+pub fn look<D: Real>(color: Vector<D>, metallic: D, roughness: D) -> MetalParameters<D> {
+    let number = |value| metallic.same_number(value);
+    let (zero, one, two) = (metallic.zero(), number(1.0), number(2.0));
+    let dielectric = (one - metallic) * number(DIELECTRIC);
     let straight = Vector::new(dielectric, dielectric, dielectric) + color.scale(metallic);
     let greatest = straight.x.max(straight.y.max(straight.z));
     let mirrored = metallic * (one - roughness) * (one - roughness);
     let kr = mirrored * greatest;
     let alpha = roughness * roughness;
-    let exponent =
-        (one.same(2.0) / (alpha * alpha) - one.same(2.0)).min(one.same(GREATEST_EXPONENT));
+    let exponent = (two / (alpha * alpha) - two).min(number(GREATEST_EXPONENT));
     let whole = exponent.floor();
-    let exponent = D::select((exponent - whole).lt(one.same(0.5)), whole, whole + one);
-    let height = (greatest * (exponent + one.same(2.0)) / one.same(8.0)).min(one);
+    let exponent = D::select((exponent - whole).lt(number(0.5)), whole, whole + one);
+    let height = (greatest * (exponent + two) / number(8.0)).min(one);
     let is_tinted = greatest.gt(zero);
     MetalParameters {
         ks: (one - roughness) * height,

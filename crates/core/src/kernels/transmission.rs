@@ -44,7 +44,7 @@ pub struct Refracted<F: Single> {
     /// Whether it was bent about the shading normal, not the geometric one.
     pub smooth: F::Mask,
     /// The index of refraction on the viewer's side over that beyond.
-    pub ratio: F::Double,
+    pub ratio: F,
 }
 
 /// The mirrored share of light, the directions from which the rest comes, and the lanes in which there is a rest.
@@ -86,7 +86,7 @@ impl Transparency {
             weight: self.tint(point.color).scale(F::narrow(weight)),
             direction: Vector::narrow(direction),
             smooth: F::mask(token, !turns.bits()),
-            ratio,
+            ratio: F::narrow(ratio),
         };
         (F::narrow(kt * mirrored), refracted)
     }

@@ -64,6 +64,9 @@ pub trait Real:
     /// `value` in each lane of a number of this type.
     fn same(self, value: Self::Element) -> Self;
 
+    /// As [`Self::same`], of a number that is rounded to this precision.
+    fn same_number(self, value: f64) -> Self;
+
     /// The number in lane `i`.
     fn lane(self, i: usize) -> Self::Element;
 
@@ -199,10 +202,17 @@ pub trait Single: Real<Element = f32> {
     /// The byte of each word from this bit on.
     fn byte(token: Self::Token, words: &Self::Integers, bit: u32) -> Self;
 
+    /// For normal numbers m 2^k of at least 1, with m from the root of 1/2 to that of 2: k and m.
+    fn parts(self) -> (Self, Self);
+
     /// The adjacent float of each number in the direction of the shift's sign, or the number itself
     /// if the shift is zero or the number is infinite.
     fn round_away(self, shift: Self) -> Self;
 }
+
+/// The bits of the root of 1/2, and those of the mantissa.
+const ROOT: u32 = std::f32::consts::FRAC_1_SQRT_2.to_bits();
+const MANTISSA: u32 = (1 << 23) - 1;
 
 /// `of` each of two values. Unlike `map`, it is always inlined, and so are closures marked as such: code
 /// for lanes has no other way to their instructions.
@@ -221,6 +231,11 @@ macro_rules! one {
             #[inline(always)]
             fn same(self, value: Self) -> Self {
                 value
+            }
+
+            #[inline(always)]
+            fn same_number(self, value: f64) -> Self {
+                value as Self
             }
 
             #[inline(always)]
@@ -339,6 +354,12 @@ impl Single for f32 {
     #[inline(always)]
     fn byte((): (), [word]: &[u32; 1], bit: u32) -> Self {
         (word >> bit & 0xFF) as Self
+    }
+
+    #[inline(always)]
+    fn parts(self) -> (Self, Self) {
+        let above = self.to_bits().wrapping_sub(ROOT);
+        ((above >> 23) as Self, Self::from_bits((above & MANTISSA) + ROOT))
     }
 
     #[inline(always)]

@@ -77,7 +77,7 @@ impl<F: Single> Group<F> {
         (kind, line, t): GroupHits<'_, F>,
         from: &Differential<F>,
         (point, smooth): (&ShadingPoint<F>, F::Mask),
-        refracted: Option<(Vector<F>, F::Double)>,
+        refracted: Option<(Vector<F>, F)>,
     ) -> Differential<F> {
         let steps = from.at(line.direction, t, point.normal);
         let turns = self.turns(scene, kind, steps, (point, smooth));

@@ -4,6 +4,7 @@ use bytemuck::Zeroable;
 use glam::Vec3;
 
 use super::{Appearance, Class, PreparedScene, SampleCounts};
+use crate::accel::prefetch;
 use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::{Material, SurfacePoint, surface};
 use crate::math::vector::set;
@@ -264,6 +265,22 @@ impl<F: Single> Group<F> {
             set_three::<F>(&mut rows, lane, corners.unwrap_or_default());
         }
         three(token, &rows)
+    }
+}
+
+impl Face {
+    /// Prefetches the vertex numbers of a hit, if it is on a triangle: for [`Self::prefetch_corners`].
+    #[inline(always)]
+    pub fn prefetch_vertices(&self, geometry: &Geometry) {
+        prefetch(geometry.triangles.as_ptr().wrapping_add(self.primitive as usize).cast());
+    }
+
+    /// Prefetches the corners of a hit, if it is on a triangle.
+    #[inline(always)]
+    pub fn prefetch_corners(&self, geometry: &Geometry) {
+        for &vertex in geometry.triangles.get(self.primitive as usize).into_iter().flatten() {
+            prefetch(geometry.positions.as_ptr().wrapping_add(vertex as usize).cast());
+        }
     }
 }
 

@@ -5,10 +5,11 @@ use glam::Vec3;
 use super::class::{Map, Property};
 use super::look_up::{LookUp, turned_by};
 use super::{Class, Group, PreparedScene, SampleCounts, Texture, UvMap, three};
+use crate::kernels::metal::{self, MetalParameters};
 use crate::kernels::texture::sphere_directions;
-use crate::kernels::{Differential, Reflection, ShadingPoint, SurfacePoint, metal, surface};
+use crate::kernels::{Differential, Reflection, ShadingPoint, SurfacePoint, surface};
 use crate::math::vector::set;
-use crate::math::{Line, Real, Single, Vector, both};
+use crate::math::{Line, Single, Vector, both};
 
 /// Returns the differential of the ray in a lane, unless it is a camera ray.
 pub(super) type Carried<'a> = &'a dyn Fn(usize) -> Option<Differential>;
@@ -195,17 +196,10 @@ fn metal<F: Single>(of: [F; 2], point: &mut ShadingPoint<F>) {
     let [metallic, roughness] = both(
         of,
         #[inline(always)]
-        |share| {
-            let share = share.widen();
-            share.max(share.zero()).min(share.same(1.0))
-        },
+        |share| share.max(share.zero()).min(share.same(1.0)),
     );
-    let look = metal::look(point.color.widen(), metallic, roughness);
-    point.reflection = Reflection {
-        ks: F::narrow(look.ks),
-        kd: F::narrow(look.kd),
-        exponent: F::narrow(look.exponent),
-        tint: Vector::narrow(look.tint),
-    };
-    point.kr = F::narrow(look.kr);
+    let MetalParameters { ks, kd, exponent, kr, tint } =
+        metal::look(point.color, metallic, roughness);
+    point.reflection = Reflection { ks, kd, exponent, tint };
+    point.kr = kr;
 }

@@ -7,6 +7,7 @@
 #[macro_use]
 mod columns;
 mod branches;
+mod carried;
 mod lit;
 
 use glam::Vec3;
@@ -15,18 +16,19 @@ use crate::accel::{Hit, RayColumns, Rays as AllRays};
 use crate::kernels::Differential;
 use crate::math::{LANES, Line, Mask, Ray, Single, Vector, set_bits};
 use crate::plan::schedule::ColumnGroup;
-use crate::prepared::{MediumStack, PathState, PreparedScene, ScatteredRays, ShadowCrossings};
+use crate::prepared::{MediumStack, PreparedScene, ScatteredRays, ShadowCrossings};
 use crate::wavefront::Seen;
 use crate::wavefront::faces::SortedHits;
 use columns::Column;
 
 pub use branches::BranchStacks;
+pub use carried::Carried;
 pub use columns::Vectors;
 pub(super) use columns::{is_row, room};
 pub use lit::{LitPoints, Tints};
 
 columns! {
-    /// Rays from the camera or from surfaces, t from 0, or from the row of [`Batch::starts`], to infinity. Written by
+    /// Rays from the camera or from surfaces, t from 0, or from the row of [`Carried::starts`], to infinity. Written by
     /// generate, shade and advance, read by intersect and shade.
     Rays {
         /// Origin.
@@ -152,21 +154,10 @@ pub struct Batch {
     pub occluded: Vec<bool>,
     /// The rays of the next bounce.
     pub next: Rays,
-    /// The differentials of the rays after the first bounce, if the scene needs them. Those of camera
-    /// rays follow from their directions and have no rows. Written and read by shade.
-    pub differentials: Vec<Differential>,
-    /// The differentials of the next rays.
-    pub next_differentials: Vec<Differential>,
-    /// The states of the rays after the first bounce, if surfaces let light through. Written and read
-    /// by shade.
-    pub states: Vec<PathState>,
-    /// The states of the next rays.
-    pub next_states: Vec<PathState>,
-    /// The least t of the rays after the first bounce, if surfaces let light through: those that go straight
-    /// on begin behind a hit. Written by shade, read by intersect and shade.
-    pub starts: Vec<f32>,
-    /// Those of the next rays.
-    pub next_starts: Vec<f32>,
+    /// What the rays of this bounce carry. Written by shade and advance, read by intersect and shade.
+    pub carried: Carried,
+    /// What the next rays carry.
+    pub next_carried: Carried,
     /// For each path what its ray of this bounce is inside of, if surfaces let light through. Written by
     /// shade, read by shadow.
     pub media: Vec<MediumStack>,
@@ -199,12 +190,8 @@ impl Batch {
             shadows: Rays::with_capacity(room(ColumnGroup::ShadowRays)),
             occluded: Vec::new(),
             next: Rays::with_capacity(room(ColumnGroup::NextRays)),
-            differentials: Vec::new(),
-            next_differentials: Vec::new(),
-            states: Vec::new(),
-            next_states: Vec::new(),
-            starts: Vec::new(),
-            next_starts: Vec::new(),
+            carried: Carried::with_capacity(capacity),
+            next_carried: Carried::with_capacity(capacity),
             media: Vec::new(),
             waiting: BranchStacks::with_capacity(room(ColumnGroup::Branches)),
             seen: Vec::new(),
@@ -222,7 +209,7 @@ impl Batch {
     /// The `i`th ray of this bounce.
     #[inline(always)]
     pub fn ray(&self, i: usize) -> Ray {
-        let t_min = if self.states.is_empty() { 0.0 } else { self.starts[i] };
+        let t_min = self.carried.starts().map_or(0.0, |starts| starts[i]);
         Ray { t_min, ..self.rays.ray(i) }
     }
 
@@ -232,15 +219,6 @@ impl Batch {
             self.media.resize(self.capacity, MediumStack::default());
         }
         self.media[self.rays.path[i] as usize] = media;
-    }
-
-    /// Appends the state of a next ray, and its least t.
-    pub fn push_state(&mut self, state: PathState, t_min: f32) {
-        append(&mut self.next_states, self.capacity, state);
-        if self.next_starts.is_empty() {
-            self.next_starts.resize(columns::room(self.capacity), 0.0);
-        }
-        self.next_starts[self.next_states.len() - 1] = t_min;
     }
 
     /// Appends those of the scattered rays that come `next`, a bit each, of these paths.
@@ -256,16 +234,11 @@ impl Batch {
         self.next.provide();
         self.next.push_lanes(line, *throughput, F::mask(token, next), path);
         for lane in set_bits::<LANES>(next) {
-            self.push_state(states[lane], t_min.lane(lane));
+            self.next_carried.push_state(states[lane], t_min.lane(lane));
             if let Some(differential) = differential {
-                self.push_differential(differential.lane(lane));
+                self.next_carried.push_differential(differential.lane(lane));
             }
         }
-    }
-
-    /// Appends the differential of a next ray.
-    pub fn push_differential(&mut self, differential: Differential) {
-        append(&mut self.next_differentials, self.capacity, differential);
     }
 
     /// Makes the next rays the current ones: paths without one go on with a ray that waits. Returns
@@ -280,11 +253,8 @@ impl Batch {
         }
         std::mem::swap(&mut self.rays, &mut self.next);
         self.next.clear();
-        std::mem::swap(&mut self.differentials, &mut self.next_differentials);
-        self.next_differentials.clear();
-        std::mem::swap(&mut self.states, &mut self.next_states);
-        self.next_states.clear();
-        std::mem::swap(&mut self.starts, &mut self.next_starts);
+        std::mem::swap(&mut self.carried, &mut self.next_carried);
+        self.next_carried.clear();
         true
     }
 
@@ -303,9 +273,9 @@ impl Batch {
             {
                 self.next.provide();
                 self.next.push(&branch.ray, branch.throughput, path);
-                self.push_state(branch.state, branch.ray.t_min);
+                self.next_carried.push_state(branch.state, branch.ray.t_min);
                 if let Some(differential) = branch.differential {
-                    self.push_differential(differential);
+                    self.next_carried.push_differential(differential);
                 }
             }
         }
@@ -322,10 +292,8 @@ impl Batch {
         let Self { paths, rays, lit, tints, shadows, next, .. } = self;
         let lit = lit.bytes() + tints.bytes();
         let groups = [paths.bytes(), rays.bytes(), lit, shadows.bytes()];
-        let differentials = self.differentials.capacity() + self.next_differentials.capacity();
-        let states = self.states.capacity() + self.next_states.capacity();
-        let lists = differentials * size_of::<Differential>()
-            + states * STATE_BYTES
+        let lists = self.carried.bytes()
+            + self.next_carried.bytes()
             + self.media.capacity() * size_of::<MediumStack>()
             + self.hits.capacity() * size_of::<Hit>()
             + self.occluded.capacity()
@@ -333,17 +301,6 @@ impl Batch {
         (groups.iter().sum::<usize>() + next.bytes() + lists + self.waiting.bytes()) as u64
     }
 }
-
-/// Appends a row to a list that has room for all `paths` from its first row on.
-fn append<T>(rows: &mut Vec<T>, paths: usize, row: T) {
-    if rows.is_empty() {
-        rows.reserve_exact(columns::room(paths));
-    }
-    rows.push(row);
-}
-
-/// Bytes of a state and a least t.
-const STATE_BYTES: usize = size_of::<PathState>() + size_of::<f32>();
 
 /// Bytes of one row of a group of columns.
 fn row_bytes(group: ColumnGroup) -> usize {
@@ -357,7 +314,7 @@ fn row_bytes(group: ColumnGroup) -> usize {
         // For this bounce and the next.
         ColumnGroup::Differentials => 2 * size_of::<Differential>(),
         ColumnGroup::Branches => {
-            2 * STATE_BYTES + size_of::<MediumStack>() + BranchStacks::ROW_BYTES
+            2 * Carried::STATE_BYTES + size_of::<MediumStack>() + BranchStacks::ROW_BYTES
         }
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn fetch<'a, F: Single>(
     ray: impl Fn(usize) -> Ray + Copy,
 ) -> &'a [Group<F>] {
     for face in if with_corners { faces } else { &[] } {
-        scene.accel.geometry().prefetch_corners(face.primitive);
+        face.prefetch_corners(scene.accel.geometry());
     }
     let count = faces.len().div_ceil(F::LANES).min(GROUPS);
     for (group, faces) in groups.iter_mut().zip(faces.chunks(F::LANES)) {

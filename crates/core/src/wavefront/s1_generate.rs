@@ -24,7 +24,7 @@ impl<P: Arithmetic> Wavefront<P> {
         batch.hits.resize(room(batch.capacity()), Hit::default());
         batch.paths.clear();
         batch.rays.clear();
-        batch.states.clear();
+        batch.carried.clear();
         let (tile, count) = (&unit.tile, (paths.end - paths.start) as usize);
         let next = NextPaths::new(unit, paths.start);
         let generate = Generate { scene, tile, seed: *seed, count, next, batch };

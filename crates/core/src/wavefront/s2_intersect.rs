@@ -10,10 +10,9 @@ impl<P: Arithmetic> Wavefront<P> {
         let Self { batch, traversal, .. } = self;
         let mut hits = std::mem::take(&mut batch.hits);
         let answers = &mut hits[..batch.rays.len()];
-        let t_min = Some(batch.starts.as_slice()).filter(|_| !batch.states.is_empty());
-        let rays = batch.rays.all(t_min, f32::INFINITY);
+        let rays = batch.rays.all(batch.carried.starts(), f32::INFINITY);
         scene.accel.search::<P>().closest_of(rays, answers, traversal);
-        for (answer, state) in answers.iter_mut().zip(&batch.states) {
+        for (answer, state) in answers.iter_mut().zip(batch.carried.states()) {
             if !state.next.is_miss() {
                 *answer = state.next;
             }

@@ -27,8 +27,7 @@ impl<P: Arithmetic> Wavefront<P> {
         batch.lit.clear();
         batch.tints.clear();
         batch.next.clear();
-        batch.next_differentials.clear();
-        batch.next_states.clear();
+        batch.next_carried.clear();
         let shade = Shade {
             scene,
             bounce,
@@ -115,7 +114,7 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
             }
             let kind = geometry.kind(primitive);
             let face = Face { ray: i as u32, primitive, shape: last as u32 };
-            geometry.prefetch_vertices(primitive);
+            face.prefetch_vertices(geometry);
             if is_plain {
                 let waiting = &mut waiting[kind as usize];
                 waiting.push(face);
@@ -151,7 +150,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn state(&self, i: usize) -> PathState {
         match self.transmits {
-            true if self.bounce > 0 => self.tracer.batch.states[i],
+            true if self.bounce > 0 => self.tracer.batch.carried.states()[i],
             _ => PathState {
                 bounces: self.bounce,
                 mirrored: self.bounce > 0,
@@ -340,7 +339,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             let asked = asked.bits();
             self.tracer.counters.samples.footprints += u64::from(asked.count_ones());
             for lane in set_bits::<LANES>(asked) {
-                self.tracer.batch.push_differential(mirrored.lane(lane));
+                self.tracer.batch.next_carried.push_differential(mirrored.lane(lane));
             }
         }
     }
@@ -379,7 +378,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             if state.bounces >= self.scene.bounces {
                 return kept;
             }
-            self.tracer.batch.push_state(state.mirrored(), 0.0);
+            self.tracer.batch.next_carried.push_state(state.mirrored(), 0.0);
             kept | 1 << lane
         })
     }
@@ -387,6 +386,6 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// The differential of the ray with that number, unless it is a camera ray.
     #[inline(always)]
     fn carried_differential(&self, ray: usize) -> Option<Differential> {
-        (self.bounce > 0 && self.differentials).then(|| self.tracer.batch.differentials[ray])
+        (self.bounce > 0 && self.differentials).then(|| self.tracer.batch.carried.differential(ray))
     }
 }

@@ -8,7 +8,7 @@ use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::visibility::{MaterialBound, Source, Visibility};
 use crate::components::{self, Maps, Transparency};
 use wavecrest_core::kernels::blinn_phong::Material;
-use wavecrest_core::kernels::metal;
+use wavecrest_core::kernels::metal::{self, MetalParameters};
 use wavecrest_core::prepared::Shape;
 
 /// Leaves out what other parts of a surface replace: nothing is left of an unlit one but its base colour and what goes
@@ -102,7 +102,7 @@ pub(super) fn mirrored(material: &components::Material, frame: &Frame) -> f32 {
 
 /// The material with the weights of a base colour, metalness and roughness.
 fn looked(material: Material, color: Vec3, [metallic, roughness]: [f64; 2]) -> Material {
-    let look = metal::look(color.as_dvec3().into(), metallic, roughness);
-    let (ks, kd, exponent) = (look.ks as f32, look.kd as f32, look.exponent as f32);
-    Material { ks, kd, exponent, kr: look.kr as f32, ..material }
+    let MetalParameters { ks, kd, exponent, kr, .. } =
+        metal::look(color.into(), metallic as f32, roughness as f32);
+    Material { ks, kd, exponent, kr, ..material }
 }

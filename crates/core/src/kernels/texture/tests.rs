@@ -37,6 +37,17 @@ fn the_level_is_the_logarithm_of_the_longer_side_in_texels() {
 }
 
 #[test]
+fn logarithms_are_near_those_in_double_precision() {
+    let last = f32::INFINITY.to_bits();
+    for x in (1.0_f32.to_bits()..last).step_by(997).map(f32::from_bits) {
+        let expected = f64::from(x).log2();
+        let error = (f64::from(log2_from_1(x)) - expected).abs();
+        assert!(error <= expected * 2.0_f64.powi(-22), "{x}: {error} of {expected}");
+    }
+    assert_eq!([0.0, 0.5, 1.0].map(log2_from_1::<f32>), [0.0; 3]);
+}
+
+#[test]
 fn levels_are_bilinear_and_between_them_linear() {
     let mut image = gradient(7, 5);
     image.build_pyramid();

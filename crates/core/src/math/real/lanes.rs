@@ -4,7 +4,7 @@ use fearless_simd::ExtractToken;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f64x8, mask32x8, mask32x16, mask64x8, u32x8};
 
-use super::{Mask, Real, Single};
+use super::{MANTISSA, Mask, ROOT, Real, Single};
 use crate::math::simd::{LANES, Lanes, outlined};
 
 macro_rules! mask {
@@ -33,6 +33,11 @@ macro_rules! lanes {
             #[inline(always)]
             fn same(self, value: $element) -> Self {
                 <Self as SimdBase<S>>::splat(ExtractToken::token(&self), value)
+            }
+
+            #[inline(always)]
+            fn same_number(self, value: f64) -> Self {
+                self.same(value as $element)
             }
 
             #[inline(always)]
@@ -134,6 +139,12 @@ impl<S: Lanes> Single for f32x8<S> {
     fn byte(simd: S, words: &[u32; LANES], bit: u32) -> Self {
         let words: u32x8<S> = <u32x8<S> as SimdBase<S>>::from_slice(simd, words);
         SimdInt::to_float(words >> bit & 0xFF)
+    }
+
+    #[inline(always)]
+    fn parts(self) -> (Self, Self) {
+        let above = self.bitcast::<u32x8<S>>() - ROOT;
+        (SimdInt::to_float(above >> 23), ((above & MANTISSA) + ROOT).bitcast())
     }
 
     #[inline(always)]
