@@ -29,7 +29,6 @@ use glam::Vec3;
 
 use crate::math::LANES;
 pub use layout::{LeafHead, NODE_UNITS, Node, Patch, Soup, extent, list_units};
-pub(super) use proof::content;
 pub use units::Unit;
 pub(crate) use units::Units;
 
@@ -125,20 +124,18 @@ pub struct TreeContents {
 }
 
 impl Arena {
-    /// The proved arena of `units`, with the contents below `root`: everything reachable from there, or from `more`
-    /// places, lies within the units and `numbers`. `None` if the proof fails, which is a bug of the builder.
+    /// The proved arena of `units`, with its contents: everything reachable from `root` lies within
+    /// the units and `numbers`. `None` if the proof fails, which is a bug of the builder.
     pub(super) fn new(
         mut units: Units,
         numbers: Vec<AtomicU32>,
         root: Ref,
-        more: &[Ref],
     ) -> Option<(Self, TreeContents)> {
         if units.len() > MAX_UNITS {
             return None;
         }
         let proof = proof::Proof { units: units.as_mut_slice(), numbers: numbers.len() };
         let census = proof.census(root)?;
-        more.iter().try_for_each(|&place| proof.below((place, 1)).map(drop))?;
         Some((Self { units, numbers }, census))
     }
 
@@ -151,12 +148,12 @@ impl Arena {
         most: u64,
     ) -> Option<(Ref, TreeContents)> {
         let proof = proof::Proof { units, numbers: self.numbers.len() };
-        let (census, _) = proof.below((place_at(0, kind), 1))?;
+        let (census, _) = proof.below((root_of(kind), 1))?;
         if census.depth > most {
             return None;
         }
         let place = self.units.append(units)?;
-        Some((place_at(place, kind), census))
+        Some((Ref((place as u32) << 2 | kind as u32), census))
     }
 
     /// The numbers of the primitives in leaves.
@@ -314,9 +311,9 @@ pub(crate) fn prefetch(address: *const i8) {
     }
 }
 
-/// A reference to a unit, of this `kind`.
-pub(super) fn place_at(unit: usize, kind: Kind) -> Ref {
-    Ref((unit as u32) << 2 | kind as u32)
+/// A reference to the first unit, of this `kind`.
+pub fn root_of(kind: Kind) -> Ref {
+    Ref(kind as u32)
 }
 
 /// The bits in a node at unit `parent` for a child of `kind` at the later unit `child`.

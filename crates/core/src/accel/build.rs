@@ -27,7 +27,6 @@ use crate::kernels::slab::PADDING;
 use crate::math::float::{max, max_abs};
 use entries::Entry;
 use leaves::{CurveLeaf, LeafFinder};
-pub(super) use piece::from_obvhs;
 use piece::{BuildPlan, Piece};
 
 /// Largest number of triangles in a chunk; halves of quads count as such. Measured: with 32 Ki and 64 Ki a build took a sixth

@@ -121,8 +121,13 @@ impl Tree {
             return vec![part];
         }
         let node = self.arena.view().node(place);
-        let child = |lane| Root { place: child_of(node, place, lane), bounds: node.bounds(lane) };
-        (0..node.count as usize).map(child).collect()
+        let lanes = 0..node.count as usize;
+        let child = |lane| {
+            let plane = |side: usize| [0, 1, 2].map(|axis: usize| node.planes[axis][side][lane]);
+            let bounds = Aabb { low: plane(0).into(), high: plane(1).into() };
+            Root { place: child_of(node, place, lane), bounds }
+        };
+        lanes.map(child).collect()
     }
 
     /// The root of the chunk that the list at `place` stands for, if it is built.

@@ -3,7 +3,6 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::Unit;
-use crate::kernels::Aabb;
 use crate::math::LANES;
 use crate::math::float::{max, min};
 
@@ -30,22 +29,6 @@ impl Node {
         count: 0,
         spare: [0; 7],
     };
-
-    /// The box of the child in `lane`.
-    pub fn bounds(&self, lane: usize) -> Aabb {
-        let plane = |side: usize| self.planes.map(|axis| axis[side][lane]).into();
-        Aabb { low: plane(0), high: plane(1) }
-    }
-
-    /// Appends a child with this box, at this place relative to the node.
-    pub fn push(&mut self, child: u32, bounds: Aabb) {
-        let lane = self.count as usize;
-        for (axis, [low, high]) in self.planes.iter_mut().enumerate() {
-            (low[lane], high[lane]) = (bounds.low[axis], bounds.high[axis]);
-        }
-        self.children[lane] = child;
-        self.count += 1;
-    }
 }
 
 /// A leaf of triangles that share vertices.

@@ -111,7 +111,7 @@ impl std::ops::Add for TreeContents {
 }
 
 /// The content of the first units of `rest`.
-pub(in crate::accel) fn content<T: Pod>(rest: &[Unit]) -> Option<&T> {
+fn content<T: Pod>(rest: &[Unit]) -> Option<&T> {
     let units = rest.get(..size_of::<T>() / size_of::<Unit>())?;
     Some(bytemuck::from_bytes(bytemuck::cast_slice(units)))
 }

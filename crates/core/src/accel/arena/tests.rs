@@ -27,7 +27,7 @@ fn prove(units: &[Unit], numbers: usize) -> Option<TreeContents> {
     let numbers = (0..numbers).map(|_| AtomicU32::new(0)).collect();
     let mut all = Units::zeroed(units.len(), units.len());
     all.as_mut_slice().copy_from_slice(units);
-    Some(Arena::new(all, numbers, place_at(0, Kind::Node), &[])?.1)
+    Some(Arena::new(all, numbers, root_of(Kind::Node))?.1)
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn parts_are_appended_where_there_is_room_and_where_they_are_sound() {
     let mut all = Units::zeroed(4, 3);
     all.as_mut_slice().copy_from_slice(&[a, b, list(&[1])]);
     let numbers = (0..4).map(|_| AtomicU32::new(0)).collect();
-    let (arena, _) = Arena::new(all, numbers, place_at(0, Kind::Node), &[]).expect("it is sound");
+    let (arena, _) = Arena::new(all, numbers, root_of(Kind::Node)).expect("it is sound");
     let before = arena.view();
     assert!(arena.extend(&[a, b], Kind::Node, 1).is_none(), "a child beyond the end");
     assert!(arena.extend(&[a, b, list(&[2])], Kind::Node, 1).is_none(), "no room");

@@ -19,7 +19,7 @@ use super::piece::{from_obvhs, to_obvhs};
 use super::{BuildPlan, ChunkSizes, Piece, ROOM_OF_LISTED};
 use crate::accel::arena::{self, MAX_UNITS, NODE_UNITS, StandIn};
 use crate::accel::wide::{Converter, Output, Owner, Part};
-use crate::accel::{Arena, Chunk, Demand, Kind, Node, Ref, Root, Tree, Unit, Units, child_of};
+use crate::accel::{Arena, Chunk, Demand, Kind, Root, Tree, Unit, Units};
 use crate::geometry::{Geometry, Surfaces};
 use crate::kernels::Aabb;
 use crate::math::LANES;
@@ -124,48 +124,21 @@ fn joined(
     for (own, parts) in own.iter_mut().zip(&parts).rev() {
         *own = above.join(plan.geometry, parts);
     }
-    let several = own.iter().flatten().count() > 1;
-    if several {
-        above.begin_with(vec![Unit::zeroed(); NODE_UNITS])?;
-    }
+    let whole = above.join(plan.geometry, &own.into_iter().flatten().collect::<Vec<_>>())?;
     units.begin_with(&above.units, ahead)?;
-    let at = |Part { bounds, kind, unit, .. }: Part| Root {
-        place: arena::place_at(unit - above.start, kind),
-        bounds,
+    let root = Root { place: arena::root_of(whole.kind), bounds: whole.bounds };
+    let (arena, census) = Arena::new(units, numbers, root.place)?;
+    let mut tree = Tree { arena, root: Some(root), census, ..Tree::default() };
+    let parts: Vec<_> = match own.iter().flatten().count() {
+        1 => vec![root],
+        _ => tree.below(root),
     };
-    let surfaces = own.map(|part| part.map(at));
-    let roots: Vec<_> = surfaces.into_iter().flatten().collect();
-    let mut root = *roots.first()?;
-    let mut opened = Vec::new();
-    if several {
-        opened = write_above(units.as_mut_slice(), &roots);
-        let bounds = roots.iter().fold(Aabb::EMPTY, |all, root| all.union(root.bounds));
-        root = Root { place: arena::place_at(0, Kind::Node), bounds };
+    for (surfaces, part) in tree.surfaces.iter_mut().zip(own) {
+        let is_there =
+            |root: &&Root| Some(root.place.unit() + above.start) == part.map(|of| of.unit);
+        *surfaces = parts.iter().find(is_there).copied();
     }
-    let (arena, census) = Arena::new(units, numbers, root.place, &opened)?;
-    Some(Tree { arena, root: Some(root), surfaces, census, ..Tree::default() })
-}
-
-/// Writes the first node: the one above these roots, or above the children of those that find room in it, which are
-/// returned.
-fn write_above(units: &mut [Unit], roots: &[Root]) -> Vec<Ref> {
-    let (mut node, mut opened) = (Node::EMPTY, Vec::new());
-    let mut room = LANES - roots.len();
-    for &Root { place, bounds } in roots {
-        let own: Option<&Node> = arena::content(&units[place.unit()..]);
-        let fits = |own: &&Node| place.kind() == Kind::Node && own.count as usize <= room + 1;
-        let Some(own) = own.filter(fits) else {
-            node.push(place.bits(), bounds);
-            continue;
-        };
-        for lane in 0..own.count as usize {
-            node.push(child_of(own, place, lane).bits(), own.bounds(lane));
-        }
-        room -= own.count as usize - 1;
-        opened.push(place);
-    }
-    bytemuck::cast_slice_mut(&mut units[..NODE_UNITS]).copy_from_slice(&[node]);
-    opened
+    Some(tree)
 }
 
 /// The nodes above parts.
@@ -224,14 +197,8 @@ impl Above {
             kind = converter.emit(geometry, &bvh, moved, 0, &mut output);
             unit = self.start.checked_sub(output.units.len())?;
         }
-        self.begin_with(output.units)?;
+        self.start = unit;
+        self.units.splice(..0, output.units);
         Some(Part { bounds, kind, unit, cost: converter.cost(0) })
-    }
-
-    /// Puts units before those that are there.
-    fn begin_with(&mut self, units: Vec<Unit>) -> Option<()> {
-        self.start = self.start.checked_sub(units.len())?;
-        self.units.splice(..0, units);
-        Some(())
     }
 }

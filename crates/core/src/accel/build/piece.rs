@@ -207,6 +207,6 @@ pub(super) fn to_obvhs(b: Aabb) -> obvhs::aabb::Aabb {
     obvhs::aabb::Aabb::new(b.low.into(), b.high.into())
 }
 
-pub(in crate::accel) fn from_obvhs(b: &obvhs::aabb::Aabb) -> Aabb {
+pub(super) fn from_obvhs(b: &obvhs::aabb::Aabb) -> Aabb {
     Aabb { low: b.min.into(), high: b.max.into() }
 }

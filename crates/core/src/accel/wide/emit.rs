@@ -5,7 +5,6 @@ use obvhs::bvh2::Bvh2;
 
 use super::{Converter, Output, Owner, SLOTS, SharedVertices};
 use crate::accel::arena::{LeafHead, NODE_UNITS, extent, relative};
-use crate::accel::build::from_obvhs;
 use crate::accel::{Kind, Node, Patch, Soup, Unit};
 use crate::geometry::Geometry;
 use crate::math::LANES;
@@ -88,17 +87,20 @@ impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
                 self.node_mut(parent).children[lane] = relative(parent, unit, Kind::Node);
             }
             self.converter.children(self.tree, place, &mut children);
-            let mut node = Node::EMPTY;
+            let mut node = Node { count: children.len() as u32, ..Node::EMPTY };
             // Leaves are written behind it, inner children wait.
             for (lane, child) in children.iter().map(|&child| child as u32).enumerate() {
-                let mut place = 0;
+                let bounds = &self.tree.nodes[child as usize];
+                for axis in 0..3 {
+                    node.planes[axis][0][lane] = bounds.min[axis];
+                    node.planes[axis][1][lane] = bounds.max[axis];
+                }
                 if self.converter.is_leaf(child) {
-                    let (leaf, kind) = self.leaf(child);
-                    place = relative(unit, leaf, kind);
+                    let (place, kind) = self.leaf(child);
+                    node.children[lane] = relative(unit, place, kind);
                 } else {
                     waiting.push((child, Some((unit, lane))));
                 }
-                node.push(place, from_obvhs(self.tree.nodes[child as usize].aabb()));
             }
             *self.node_mut(unit) = node;
         }
