@@ -139,159 +139,184 @@ pub enum PathEnd {
 const STEPS: u32 = 1024;
 
 impl<P: Arithmetic> Recursive<P> {
-    /// Whether to end, before a step.
-    #[inline]
-    fn ends(&mut self, cancelled: &dyn Fn() -> bool) -> bool {
-        self.steps = self.steps.wrapping_add(1);
-        if self.steps.is_multiple_of(STEPS) {
-            self.ended |= cancelled();
-        }
-        self.ended
-    }
-
     /// The radiance along the camera ray of `stream`, through the pixel (`x`, `y`), without a meaning
     /// if it is `cancelled`.
     pub fn path(
         &mut self,
         scene: &PreparedScene,
         [x, y]: [u32; 2],
-        mut stream: Stream,
+        stream: Stream,
         cancelled: &dyn Fn() -> bool,
         observer: &mut impl Observer,
     ) -> Vec3 {
         let ray = scene.camera.ray(x, y, &stream);
         self.counters.rays.primary += 1;
         self.counters.samples.lens += u64::from(scene.camera.has_lens());
-        let schedule = scene.plan.schedule();
-        let (shadows, transmits) = (schedule.has_shadows(), schedule.has_transmission());
-        let bounces = if schedule.has_mirrors() { scene.bounces } else { 0 };
-        let mut radiance = Vec3::ZERO;
         let state = PathState { media: self.start, ..PathState::default() };
-        let mut at = Branch { ray, throughput: Vec3::ONE, state, differential: None };
+        let first = Branch { ray, throughput: Vec3::ONE, state, differential: None };
+        let radiance = Vec3::ZERO;
+        Path { tracer: self, scene, stream, cancelled, observer, radiance }.follow(first)
+    }
+}
+
+/// A path that is followed.
+struct Path<'a, P, O> {
+    tracer: &'a mut Recursive<P>,
+    scene: &'a PreparedScene,
+    /// That of its ray.
+    stream: Stream,
+    cancelled: &'a dyn Fn() -> bool,
+    observer: &'a mut O,
+    /// The radiance gathered so far.
+    radiance: Vec3,
+}
+
+impl<P: Arithmetic, O: Observer> Path<'_, P, O> {
+    /// Follows a ray, and those that wait, to their ends. Returns the radiance.
+    #[inline]
+    fn follow(mut self, mut ray: Branch) -> Vec3 {
         loop {
-            let Branch { ray, state, .. } = at;
-            let before = self.traversal.tests;
-            let found = scene.accel.search::<P>().closest(&ray, &mut self.traversal);
-            let hit = if state.next.is_miss() { found } else { state.next };
-            observer.ray(&at, &hit, each(self.traversal.tests, before, |a, b| a - b));
-            if transmits {
-                at.throughput *= scene.remaining(&ray, &state.media, hit.t);
+            let before = self.tracer.waiting.len();
+            let end = self.trace(ray);
+            let waiting = &mut self.tracer.waiting;
+            self.observer.done(self.radiance, &waiting[before..], end);
+            Branch::sink(waiting, before);
+            if self.stream.bounce + 1 == MOST_RAYS && !waiting.is_empty() {
+                self.tracer.counters.cut_short += 1;
+                waiting.clear();
             }
-            let throughput = at.throughput;
-            let waiting = self.waiting.len();
-            let found =
-                scene.interaction::<P>(&ray, &hit, at.differential, &mut self.counters.samples);
-            // By reference: a copy of a shading point takes time.
-            let end = match &found {
-                Interaction::Surface(point, class) => {
-                    let transparency = class.transparency.as_ref().filter(|_| transmits);
-                    let scattered = transparency.map(|transparency| {
-                        let memory = (&mut self.traversal, &mut self.counters.samples);
-                        scene.scatter::<P>(&at, &hit, transparency, point, memory)
-                    });
-                    let own = scattered.map_or(throughput, |(own, _)| own);
-                    let own = scene.shown(&state, own, point.emission.into());
-                    let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
-                    radiance += own * Vec3::from(local);
-                    observer.surface(point, class);
-                    if shadows && point.lit {
-                        let gathered = (if state.faint { Vec3::ZERO } else { own }, &mut radiance);
-                        let at = (point, state.media);
-                        self.direct_light(scene, at, &stream, gathered, cancelled, observer);
-                    }
-                    if let Some((_, branches)) = scattered {
-                        self.waiting.extend(branches.into_iter().rev().flatten());
-                        if state.bounces >= scene.bounces {
-                            PathEnd::LastBounce
-                        } else {
-                            PathEnd::NoMirror
-                        }
-                    } else if state.bounces >= bounces {
-                        PathEnd::LastBounce
-                    } else {
-                        if let Some((mirrored, throughput)) = mirror_ray(point, throughput) {
-                            let differential = scene.carries_differentials().then(|| {
-                                let found = &mut self.counters.samples;
-                                scene.mirrored(at.differential, (&ray, &hit), point, found)
-                            });
-                            let (ray, state) = (mirrored, state.mirrored());
-                            self.waiting.push(Branch { ray, throughput, state, differential });
-                        }
-                        PathEnd::NoMirror
-                    }
-                }
-                Interaction::Light(color) => {
-                    radiance += scene.shown(&state, throughput, *color) * *color;
-                    PathEnd::Light
-                }
-                Interaction::Nothing => {
-                    if let Some(color) = scene.escaped(ray.direction, &state) {
-                        radiance += scene.shown(&state, throughput, color) * color;
-                    }
-                    PathEnd::Nothing
-                }
-            };
-            observer.done(radiance, &self.waiting[waiting..], end);
-            Branch::sink(&mut self.waiting, waiting);
-            if stream.bounce + 1 == MOST_RAYS && !self.waiting.is_empty() {
-                self.counters.cut_short += 1;
-                self.waiting.clear();
+            if self.ends() {
+                self.tracer.waiting.clear();
             }
-            if self.ends(cancelled) {
-                self.waiting.clear();
-            }
-            let Some(next) = self.waiting.pop() else { return radiance };
-            self.counters.rays.secondary += 1;
-            stream.bounce += 1;
-            at = next;
+            let Some(next) = self.tracer.waiting.pop() else { return self.radiance };
+            self.tracer.counters.rays.secondary += 1;
+            self.stream.bounce += 1;
+            ray = next;
         }
     }
 
-    /// Adds the unoccluded contribution of each point of each light.
+    /// Whether to end, before a step.
     #[inline]
-    fn direct_light(
+    fn ends(&mut self) -> bool {
+        let Recursive { steps, ended, .. } = &mut *self.tracer;
+        *steps = steps.wrapping_add(1);
+        if steps.is_multiple_of(STEPS) {
+            *ended |= (self.cancelled)();
+        }
+        *ended
+    }
+
+    /// Adds the light of a ray's hit. Rays that go on from there wait; returns why none does if there is none.
+    #[inline]
+    fn trace(&mut self, mut at: Branch) -> PathEnd {
+        let Self { tracer, scene, observer, radiance, .. } = &mut *self;
+        let Branch { ray, state, .. } = at;
+        let before = tracer.traversal.tests;
+        let found = scene.accel.search::<P>().closest(&ray, &mut tracer.traversal);
+        let hit = if state.next.is_miss() { found } else { state.next };
+        observer.ray(&at, &hit, each(tracer.traversal.tests, before, |a, b| a - b));
+        if scene.plan.schedule().has_transmission() {
+            at.throughput *= scene.remaining(&ray, &state.media, hit.t);
+        }
+        let look_ups = &mut tracer.counters.samples;
+        let (end, color) = match scene.interaction::<P>(&ray, &hit, at.differential, look_ups) {
+            // By reference: a copy of a shading point takes time.
+            Interaction::Surface(point, class) => return self.shade((&at, &hit), &point, class),
+            Interaction::Light(color) => (PathEnd::Light, Some(color)),
+            Interaction::Nothing => (PathEnd::Nothing, scene.escaped(ray.direction, &state)),
+        };
+        if let Some(color) = color {
+            *radiance += scene.shown(&state, at.throughput, color) * color;
+        }
+        end
+    }
+
+    /// As [`Self::trace`], of a hit on a surface.
+    #[inline]
+    fn shade(
         &mut self,
-        scene: &PreparedScene,
-        (point, media): (&ShadingPoint<f32>, MediumStack),
-        stream: &Stream,
-        (throughput, radiance): (Vec3, &mut Vec3),
-        cancelled: &dyn Fn() -> bool,
-        observer: &mut impl Observer,
-    ) {
+        (at, hit): (&Branch, &Hit),
+        point: &ShadingPoint<f32>,
+        class: &Class,
+    ) -> PathEnd {
+        let (scene, state, schedule) = (self.scene, at.state, self.scene.plan.schedule());
+        let transparency = class.transparency.as_ref().filter(|_| schedule.has_transmission());
+        let scattered = transparency.map(|transparency| {
+            let memory = (&mut self.tracer.traversal, &mut self.tracer.counters.samples);
+            scene.scatter::<P>(at, hit, transparency, point, memory)
+        });
+        let own = scattered.map_or(at.throughput, |(own, _)| own);
+        let own = scene.shown(&state, own, point.emission.into());
+        let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
+        self.radiance += own * Vec3::from(local);
+        self.observer.surface(point, class);
+        if schedule.has_shadows() && point.lit {
+            self.direct_light(point, state.media, if state.faint { Vec3::ZERO } else { own });
+        }
+        let goes_on = scattered.is_some() || schedule.has_mirrors();
+        let is_last = state.bounces >= if goes_on { scene.bounces } else { 0 };
+        match scattered {
+            Some((_, branches)) => self.tracer.waiting.extend(branches.into_iter().rev().flatten()),
+            None if is_last => {}
+            None => self.mirror((at, hit), point),
+        }
+        if is_last { PathEnd::LastBounce } else { PathEnd::NoMirror }
+    }
+
+    /// Lets the mirror ray of an opaque surface wait, if there is one.
+    #[inline]
+    fn mirror(&mut self, (at, hit): (&Branch, &Hit), point: &ShadingPoint<f32>) {
+        let (scene, look_ups) = (self.scene, &mut self.tracer.counters.samples);
+        let Some((ray, throughput)) = mirror_ray(point, at.throughput) else { return };
+        let differential = scene
+            .carries_differentials()
+            .then(|| scene.mirrored(at.differential, (&at.ray, hit), point, look_ups));
+        let state = at.state.mirrored();
+        self.tracer.waiting.push(Branch { ray, throughput, state, differential });
+    }
+
+    /// Adds the unoccluded contribution of each point of each light, to a path of this throughput that is inside of
+    /// `media` there.
+    #[inline]
+    fn direct_light(&mut self, point: &ShadingPoint<f32>, media: MediumStack, throughput: Vec3) {
+        let (scene, ambient) = (self.scene, self.scene.hemisphere.as_ref());
         for (number, light) in scene.lights.iter().enumerate() {
             for index in 0..light.samples() {
-                if self.ends(cancelled) {
+                if self.ends() {
                     return;
                 }
                 let point_of_light = [number, index as usize];
-                let target = light.point(index, stream);
-                self.counters.samples.light += u64::from(light.is_sampled());
-                let ambient = scene.hemisphere.as_ref();
+                let target = light.point(index, &self.stream);
+                self.tracer.counters.samples.light += u64::from(light.is_sampled());
                 let request = shadow_request(point, throughput, light, &target, ambient);
                 let Some(request) = request else {
-                    observer.light(point_of_light, &target, None);
+                    self.observer.light(point_of_light, &target, None);
                     continue;
                 };
-                self.counters.rays.shadow += 1;
-                self.counters.lights_at_surface += u64::from(request.at_light);
-                let occluded =
-                    scene.accel.search::<P>().occluded(&request.ray(), &mut self.traversal);
-                let transmittance =
-                    (!occluded).then(|| match scene.plan.schedule().has_transmission() {
-                        true => {
-                            let Self { crossings, traversal, counters, .. } = &mut *self;
-                            let look_ups = &mut counters.samples;
-                            let ray = (&request.ray(), media);
-                            scene.transmittance::<P>(ray, crossings, traversal, look_ups)
-                        }
-                        false => Vec3::ONE,
-                    });
-                observer.light(point_of_light, &target, Some((&request, transmittance)));
+                let transmittance = self.transmittance(&request, media);
+                self.observer.light(point_of_light, &target, Some((&request, transmittance)));
                 if let Some(transmittance) = transmittance {
-                    *radiance += Vec3::from(request.contribution) * transmittance;
+                    self.radiance += Vec3::from(request.contribution) * transmittance;
                 }
             }
         }
+    }
+
+    /// The share of light that passes along a shadow ray; `None` if it is blocked.
+    #[inline]
+    fn transmittance(&mut self, request: &ShadowRequest<f32>, media: MediumStack) -> Option<Vec3> {
+        let (scene, ray) = (self.scene, request.ray());
+        let Recursive { crossings, traversal, counters, .. } = &mut *self.tracer;
+        counters.rays.shadow += 1;
+        counters.lights_at_surface += u64::from(request.at_light);
+        if scene.accel.search::<P>().occluded(&ray, traversal) {
+            return None;
+        }
+        if !scene.plan.schedule().has_transmission() {
+            return Some(Vec3::ONE);
+        }
+        let look_ups = &mut counters.samples;
+        Some(scene.transmittance::<P>((&ray, media), crossings, traversal, look_ups))
     }
 }
 

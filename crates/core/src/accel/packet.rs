@@ -289,52 +289,64 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     /// Takes a tile through leaves and one node. Returns whether anything may be left.
     #[inline(always)]
     fn step(&mut self, tile: &mut RayTile) -> bool {
-        let arena = self.searched.tree.arena.view();
-        while let Some(Visit { entry, rays }) = tile.pop() {
-            let rays = rays & !tile.done;
+        while let Some(Visit { entry, mut rays }) = tile.pop() {
+            let at = place(entry);
+            rays &= !tile.done;
             if rays == 0 || distance(entry) > tile.beam.farthest() {
                 continue;
             }
-            let at = place(entry);
-            if at.kind() != Kind::Node {
-                let rays = match Q::NEAREST {
-                    true => rays & tile.reaching(self.simd, distance(entry)),
-                    false => rays,
-                };
-                if rays != 0 {
-                    if let Some(root) = self.searched.chunk(at) {
-                        let entry = crate::math::simd::entry(distance(entry), root.bits());
-                        tile.push(true, Visit { entry, rays });
-                        continue;
-                    }
-                    if let Some(instance) = self.searched.instance(at) {
-                        match rays.count_ones() {
-                            _ if Q::ALL => {}
-                            0..FEWEST => self.hand_over(tile, entry, rays),
-                            _ => self.visit_instance(tile, instance, rays),
-                        }
-                        continue;
-                    }
-                    self.visit_leaf(tile, at, rays);
-                    if Q::ANY && tile.is_done() {
-                        self.ending = Some(at);
-                        return false;
-                    }
+            if at.kind() == Kind::Node {
+                if self.visit_node(tile, entry, rays) {
+                    return true;
                 }
                 continue;
             }
-            let few = if Q::NEAREST { FEW_RAYS } else { FEW_RAYS_FOR_ANY };
-            if rays.count_ones() <= few && at != self.root.place {
-                self.hand_over(tile, entry, rays);
+            if Q::NEAREST {
+                rays &= tile.reaching(self.simd, distance(entry));
+            }
+            if rays == 0 || self.visit_stand_in(tile, entry, rays) {
                 continue;
             }
-            self.tests.nodes += 1;
-            self.coherence.visits += 1;
-            self.coherence.rays += u64::from(rays.count_ones());
-            nodes::visit::<S, Q>(self.simd, tile, arena, at, rays);
-            return true;
+            self.visit_leaf(tile, at, rays);
+            if Q::ANY && tile.is_done() {
+                self.ending = Some(at);
+                return false;
+            }
         }
         false
+    }
+
+    /// Takes `rays` to the children of a node, or hands them over if they are few. Returns whether it took them.
+    #[inline(always)]
+    fn visit_node(&mut self, tile: &mut RayTile, entry: u64, rays: u64) -> bool {
+        let at = place(entry);
+        let few = if Q::NEAREST { FEW_RAYS } else { FEW_RAYS_FOR_ANY };
+        if rays.count_ones() <= few && at != self.root.place {
+            self.hand_over(tile, entry, rays);
+            return false;
+        }
+        self.tests.nodes += 1;
+        self.coherence.visits += 1;
+        self.coherence.rays += u64::from(rays.count_ones());
+        nodes::visit::<S, Q>(self.simd, tile, self.searched.tree.arena.view(), at, rays);
+        true
+    }
+
+    /// Takes `rays` to the chunk or the instance for which a list stands. Returns whether it stands for one.
+    #[inline(always)]
+    fn visit_stand_in(&mut self, tile: &mut RayTile, entry: u64, rays: u64) -> bool {
+        if let Some(root) = self.searched.chunk(place(entry)) {
+            let entry = crate::math::simd::entry(distance(entry), root.bits());
+            tile.push(true, Visit { entry, rays });
+            return true;
+        }
+        let Some(instance) = self.searched.instance(place(entry)) else { return false };
+        match rays.count_ones() {
+            _ if Q::ALL => {}
+            0..FEWEST => self.hand_over(tile, entry, rays),
+            _ => self.visit_instance(tile, instance, rays),
+        }
+        true
     }
 
     /// Hands `rays` over, to continue from `place`.

@@ -93,8 +93,8 @@ impl PreparedScene {
         traversal: &mut Traversal,
     ) -> Interface {
         let InterfaceHit { hit, leaves: from_behind, .. } = first;
-        let (shape, mut last) = (self.shape(&hit), first);
-        let (crossed, mut next) = self.crossed::<P>(ray, &first, traversal);
+        let shape = self.shape(&hit);
+        let (crossed, next) = self.crossed::<P>(ray, &first, traversal);
         // Along an edge, what it encloses may not be entered.
         let mut sides = Sides { before: media, beyond: media };
         if let Some(crossed) = crossed {
@@ -102,48 +102,59 @@ impl PreparedScene {
                 if crossed == hit { from_behind } else { self.surface_of::<P>(ray, &crossed).1 };
             sides = self.sides(media, shape, leaves, &mut traversal.media);
         }
-        let (behind, second) = (sides.beyond, next);
-        let (mut tint, mut close) = (Vec3::ONE, None);
+        let (last, behind, tint, close) = (first, sides.beyond, Vec3::ONE, None);
+        let (is_there, second) = (crossed.is_some(), next);
+        let mut found = Interface { sides, is_there, last, tint, close, next, behind, second };
+        if transparency.kt > 0.0 && shape.solid.is_some() && is_there {
+            self.join_close::<P>(ray, &mut found, traversal);
+        }
+        found.is_there = is_there && (shape.solid.is_none() || self.differ(&found.sides));
+        found
+    }
+
+    /// Adds the surfaces of solids that are close behind the last one of an interface.
+    fn join_close<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        found: &mut Interface,
+        traversal: &mut Traversal,
+    ) {
+        let Interface { sides, last, tint, close, next, .. } = found;
         // Of equal solids in one place one surface is there, for which the first one stands.
-        let mut has_own = self.differ(&sides);
-        let bends = transparency.kt > 0.0 && shape.solid.is_some() && crossed.is_some();
-        while let Some(other) = next.filter(|_| bends) {
-            let found = self.located::<P>(ray, other, &last);
-            if (last.point - found.point).dot(last.normal) > last.depth {
-                break;
+        let mut has_own = self.differ(sides);
+        while !next.is_miss() {
+            let at = self.located::<P>(ray, *next, last);
+            if (last.point - at.point).dot(last.normal) > last.depth {
+                return;
             }
-            let shape = self.shape(&other);
+            let shape = self.shape(next);
             let through = self.appearance.class(shape).transparency;
             let Some(through) = through.filter(|_| shape.light.is_none()) else {
                 sides.beyond = sides.before;
-                break;
+                return;
             };
             if through.kt == 0.0 || shape.solid.is_none() {
-                close = Some(other);
-                break;
+                *close = Some(*next);
+                return;
             }
-            let own = self.sides(sides.beyond, shape, found.leaves, &mut traversal.media);
+            let own = self.sides(sides.beyond, shape, at.leaves, &mut traversal.media);
             if self.differ(&own) {
-                tint *= if has_own { through.color * through.kt } else { Vec3::ONE };
+                *tint *= if has_own { through.color * through.kt } else { Vec3::ONE };
                 has_own = true;
             }
-            sides.beyond = own.beyond;
-            last = found;
-            next = self.crossed::<P>(ray, &last, traversal).1;
+            (sides.beyond, *last) = (own.beyond, at);
+            *next = self.crossed::<P>(ray, last, traversal).1;
         }
-        let is_there = crossed.is_some() && (shape.solid.is_none() || self.differ(&sides));
-        let [next, second] = [next, second].map(|hit| hit.unwrap_or(Hit::MISS));
-        Interface { sides, is_there, last, tint, close, next, behind, second }
     }
 
     /// What `ray` crosses where it meets a surface, if it does not only touch it: of the triangles of
-    /// a shape around an edge or a corner, the one that counts. And what it meets behind, if that is close.
+    /// a shape around an edge or a corner, the one that counts. And what it meets behind, if that is close; else a miss.
     fn crossed<P: Arithmetic>(
         &self,
         ray: &Ray,
         at: &InterfaceHit,
         traversal: &mut Traversal,
-    ) -> (Option<Hit>, Option<Hit>) {
+    ) -> (Option<Hit>, Hit) {
         let InterfaceHit { hit, depth, leaves, .. } = *at;
         let cosine = Vector::from(ray.direction).dot(at.normal).abs();
         let end = hit.t + depth / max(cosine, LEAST_COSINE);
@@ -154,7 +165,7 @@ impl PreparedScene {
         let more = FILTERED * depth + hit.t * FILTERED_SHARE;
         let longer = Ray { t_min: hit.t - more, t_max: end + more, ..*ray };
         if self.accel.geometry().instances.is_empty() && search.crosses_one(&longer, traversal) {
-            return (Some(hit), None);
+            return (Some(hit), Hit::MISS);
         }
         let mut crossings = std::mem::take(&mut traversal.crossed);
         search.crossings(&near, traversal, &mut crossings);
@@ -174,7 +185,8 @@ impl PreparedScene {
             || hits.iter().position(|other| other.t >= hit.t).unwrap_or(hits.len()),
             |index| index + 1,
         );
-        let found = (index.map(|index| hits[index]), hits.get(behind).copied());
+        let found =
+            (index.map(|index| hits[index]), hits.get(behind).copied().unwrap_or(Hit::MISS));
         traversal.crossed = crossings;
         found
     }
