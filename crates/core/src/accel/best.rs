@@ -66,7 +66,7 @@ impl Best {
     #[inline(always)]
     pub(super) fn offer<P: Arithmetic>(
         &mut self,
-        searched: Searched<'_>,
+        searched: &Searched<'_>,
         ray: &Ray,
         new: Self,
         tests: &mut TestCounts,
@@ -85,7 +85,7 @@ impl Best {
     /// As [`Self::offer`], for hits whose intervals overlap.
     #[cold]
     #[inline(never)]
-    fn contest(&mut self, searched: Searched<'_>, ray: &Ray, new: Self) -> bool {
+    fn contest(&mut self, searched: &Searched<'_>, ray: &Ray, new: Self) -> bool {
         let before = *self;
         if self.is_none() {
             *self = new;
@@ -113,7 +113,7 @@ impl Best {
     #[inline(always)]
     pub(super) fn answer(
         &self,
-        Searched { tree, without_t, .. }: Searched<'_>,
+        &Searched { tree, without_t, .. }: &Searched<'_>,
         ray: &Ray,
         tests: &mut TestCounts,
     ) -> Hit {

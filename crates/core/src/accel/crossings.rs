@@ -172,7 +172,7 @@ impl<P: Arithmetic> Search<'_, P> {
         let Some(tree) = &self.accel.tree else { return false };
         let mut counted = Counted::default();
         let searched = self.part(tree, None, traversal);
-        self.in_tree(searched, (ray, 0), &mut counted, traversal);
+        self.in_tree(&searched, (ray, 0), &mut counted, traversal);
         counted.certain == 1 && counted.open == 0
     }
 
@@ -200,7 +200,7 @@ impl<P: Arithmetic> Search<'_, P> {
             query.most = if count > 1 { MOST } else { usize::MAX };
             let (rays, left_out) = (rays.first(count), &mut left_out[..count]);
             match searched {
-                Some(searched) => self.find(searched, rays, left_out, query, traversal),
+                Some(searched) => self.find(&searched, rays, left_out, query, traversal),
                 None => self.find_in_all(surfaces, rays, left_out, query, traversal),
             }
             if query.found.len() < query.most {
@@ -225,7 +225,7 @@ impl<P: Arithmetic> Search<'_, P> {
 
     fn find(
         &self,
-        searched: Searched<'_>,
+        searched: &Searched<'_>,
         rays: Rays<'_>,
         left_out: &mut [bool],
         query: &mut Crossed,

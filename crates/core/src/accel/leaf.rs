@@ -19,7 +19,7 @@ use crate::math::{LANES, Lanes, Ray, Vector, outlined, set_bits};
 #[inline(always)]
 pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     (ray, number): (&PreparedRay, usize),
     place: Ref,
     best: &mut Best,
@@ -39,7 +39,7 @@ pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
 /// As [`visit`], for a list.
 #[inline(never)]
 fn visit_list<Q: Query, P: Arithmetic>(
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     (ray, index): (&Ray, usize),
     place: Ref,
     best: &mut Best,
@@ -101,7 +101,7 @@ pub(super) fn first_lanes(count: u32) -> u32 {
 #[inline(always)]
 pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     (ray, number): (&Ray, usize),
     (place, mut hits): (Ref, LaneHits),
     best: &mut Best,
@@ -148,7 +148,7 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
 /// every edge; or without bounds, that it may meet, if the ray crosses it.
 #[inline(always)]
 pub(super) fn cross<Q: Query, P: Arithmetic>(
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     (ray, number): (&Ray, usize),
     ((place, entry), t): ((Ref, usize), Option<[f32; 2]>),
     (tests, query): (&mut TestCounts, &mut Q),
@@ -174,7 +174,7 @@ pub(super) fn cross<Q: Query, P: Arithmetic>(
 /// Gives the query every point at which the ray with that number crosses a primitive of a list.
 #[inline(always)]
 pub(super) fn cross_listed<Q: Query, P: Arithmetic>(
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     (ray, number): (&Ray, usize),
     ((place, entry), primitive): ((Ref, usize), u32),
     (tests, query): (&mut TestCounts, &mut Q),
@@ -186,7 +186,7 @@ pub(super) fn cross_listed<Q: Query, P: Arithmetic>(
 /// Takes any of the certain hits, of which the others are removed. Returns whether there is one.
 #[inline(always)]
 fn take_any<P: Arithmetic>(
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     ray: &Ray,
     (place, hits): (Ref, &mut LaneHits),
     best: &mut Best,

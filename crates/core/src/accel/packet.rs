@@ -76,7 +76,7 @@ pub(super) struct Packets {
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     (simd, search): (S, Search<'_, P>),
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     (rays, choice): (Rays<'_>, KernelChoice),
     answers: &mut [Q::Answer],
     query: &mut Q,
@@ -122,10 +122,19 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     if !handed.queue.is_empty() || next < rays.count() {
         let source = RaySource { rays, handed, next, searched, root };
         let memory = (tests, kernel, query);
+        // Each in a function of its own, which keeps what it needs in registers.
         if Q::ALL || searched.blas.is_empty() {
-            stream::trace::<S, Q, P, false>(simd, searched, source, answers, flight, memory);
+            outlined(
+                simd,
+                #[inline(always)]
+                || stream::trace::<S, Q, P, false>(simd, searched, source, answers, flight, memory),
+            );
         } else {
-            stream::trace::<S, Q, P, true>(simd, searched, source, answers, flight, memory);
+            outlined(
+                simd,
+                #[inline(always)]
+                || stream::trace::<S, Q, P, true>(simd, searched, source, answers, flight, memory),
+            );
         }
     }
 }
@@ -152,7 +161,7 @@ impl Coherence {
 /// The tiles of a batch of rays.
 struct TileBatch<'a, S, Q, P> {
     simd: S,
-    searched: Searched<'a>,
+    searched: &'a Searched<'a>,
     rays: Rays<'a>,
     choice: KernelChoice,
     root: Root,

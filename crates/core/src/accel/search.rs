@@ -57,7 +57,7 @@ impl<P: Arithmetic> Search<'_, P> {
         }
         if let Some(tree) = &self.accel.tree {
             let searched = Searched { only_instances: true, ..self.part(tree, None, traversal) };
-            return self.in_tree(searched, (ray, 0), &mut Closest, traversal);
+            return self.in_tree(&searched, (ray, 0), &mut Closest, traversal);
         }
         let numbers = geometry.own() as u32..geometry.len() as u32;
         brute::<Closest, P>(geometry, numbers, ray, &mut traversal.tests)
@@ -85,7 +85,7 @@ impl<P: Arithmetic> Search<'_, P> {
             return Q::answer(brute::<Q, P>(geometry, numbers, ray, &mut traversal.tests));
         };
         let searched = self.part(tree, Q::SURFACES, traversal);
-        Q::answer(self.in_tree(searched, (ray, 0), &mut Q::default(), traversal))
+        Q::answer(self.in_tree(&searched, (ray, 0), &mut Q::default(), traversal))
     }
 
     #[inline(never)]
@@ -95,7 +95,7 @@ impl<P: Arithmetic> Search<'_, P> {
             return;
         };
         let searched = self.part(tree, Q::SURFACES, traversal);
-        self.all_in_tree(searched, rays, answers, &mut Q::default(), traversal);
+        self.all_in_tree(&searched, rays, answers, &mut Q::default(), traversal);
     }
 
     /// Whether rays are searched one by one. The reference has no use for lanes.
@@ -140,7 +140,7 @@ impl<P: Arithmetic> Search<'_, P> {
     #[inline(never)]
     pub(super) fn in_tree<Q: Query>(
         &self,
-        searched: Searched<'_>,
+        searched: &Searched<'_>,
         ray: (&Ray, usize),
         query: &mut Q,
         traversal: &mut Traversal,
@@ -154,7 +154,7 @@ impl<P: Arithmetic> Search<'_, P> {
     #[inline(never)]
     pub(super) fn all_in_tree<Q: Query>(
         &self,
-        searched: Searched<'_>,
+        searched: &Searched<'_>,
         rays: Rays<'_>,
         answers: &mut [Q::Answer],
         query: &mut Q,

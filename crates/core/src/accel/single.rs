@@ -10,7 +10,7 @@ use crate::math::{Lanes, Ray, entry, outlined};
 #[inline(always)]
 pub(super) fn hit<S: Lanes, Q: Query, P: Arithmetic, const WORLD: bool>(
     simd: S,
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     (ray, number): (&Ray, usize),
     query: &mut Q,
     (stack, tests): (&mut [u64], &mut TestCounts),
@@ -28,7 +28,7 @@ pub(super) fn hit<S: Lanes, Q: Query, P: Arithmetic, const WORLD: bool>(
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const WORLD: bool>(
     simd: S,
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     (ray, number): (&PreparedRay, usize),
     mut best: Best,
     (stack, from): (&mut [u64], u64),
@@ -69,7 +69,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const WORLD: bool>(
                 #[inline(always)]
                 || {
                     let prototype = searched.prototype(instance);
-                    hit::<S, Q, P, false>(simd, prototype, (&carried, number), query, memory)
+                    hit::<S, Q, P, false>(simd, &prototype, (&carried, number), query, memory)
                 },
             );
             if Q::ANY && !found.is_miss() {

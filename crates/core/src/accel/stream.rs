@@ -95,7 +95,7 @@ impl Flight {
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const INSTANCES: bool>(
     simd: S,
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     mut source: RaySource<'_>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
@@ -143,7 +143,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const INSTANCES: bool>(
 /// Rays in flight, round by round. Lists of steps are read from the front while later steps are
 /// written there.
 struct FlightRounds<'a, 'b, Q: Query, P, const INSTANCES: bool> {
-    searched: Searched<'a>,
+    searched: &'a Searched<'a>,
     arena: ArenaView<'a>,
     /// That of each ray among instances: the scene's or that of a prototype.
     arenas: &'a mut [ArenaView<'a>; FLIGHT],
@@ -232,7 +232,8 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
             let step = self.next.get(Kind::Patch, i);
             let met = hits.certain | hits.open;
             let is_closer = met != 0 && {
-                let searched = self.searched_by(step.slot());
+                let mut prototype = None;
+                let searched = self.searched_by(step.slot(), &mut prototype);
                 let Slot { ray, best, number, .. } = &mut self.slots[step.slot()];
                 let (ray, found) = ((&ray.ray, *number as usize), (step.place(), *hits));
                 let memory = (&mut *self.tests, &mut *self.query);
@@ -265,7 +266,8 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
                 self.begin(index);
                 continue;
             }
-            let searched = self.searched_by(index);
+            let mut prototype = None;
+            let searched = self.searched_by(index, &mut prototype);
             if let Some(root) = searched.chunk(at) {
                 self.next.push(self.arena(index), index, root);
                 continue;
@@ -304,14 +306,24 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
         if INSTANCES { self.arenas[index] } else { self.arena }
     }
 
-    /// What the ray in a slot is searched in.
+    /// What the ray in a slot is searched in: the scene, or what this makes a `prototype`.
     #[inline(always)]
-    fn searched_by(&self, index: usize) -> Searched<'a> {
+    fn searched_by<'b>(
+        &self,
+        index: usize,
+        prototype: &'b mut Option<Searched<'a>>,
+    ) -> &'b Searched<'a>
+    where
+        'a: 'b,
+    {
         if !INSTANCES {
             return self.searched;
         }
         let instance = self.searched.geometry.instances.get(self.slots[index].instance as usize);
-        instance.map_or(self.searched, |instance| self.searched.prototype(instance))
+        match instance {
+            Some(instance) => prototype.insert(self.searched.prototype(instance)),
+            None => self.searched,
+        }
     }
 
     /// Goes on in the prototype of the instance for which the list at `place` stands.
@@ -349,7 +361,7 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
         let slot = &mut self.slots[index];
         let instance = &self.searched.geometry.instances[inside.instance as usize];
         let prototype = self.searched.prototype(instance);
-        let hit = inside.best.answer(prototype, &inside.ray.ray, self.tests);
+        let hit = inside.best.answer(&prototype, &inside.ray.ray, self.tests);
         let before = (&slot.ray.ray, &mut slot.best);
         self.searched.offer::<P>(instance, hit, before, self.tests);
         self.go_on(index, false);

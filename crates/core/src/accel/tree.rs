@@ -236,7 +236,7 @@ impl<'a> Searched<'a> {
     ) {
         if primitive != NO_PRIMITIVE {
             let hit = Hit { t, primitive: instance.first() + primitive };
-            best.offer::<P>(*self, ray, Best::of(hit), tests);
+            best.offer::<P>(self, ray, Best::of(hit), tests);
         }
     }
 }

@@ -27,7 +27,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
         let inside = self.inside.get_or_insert_with(|| Box::new(search.accel.traversal()));
         std::mem::swap(&mut inside.tests, self.tests);
         let (batch, query) = (Rays::Rows(&carried[..count]), &mut Q::default());
-        search.all_in_tree(prototype, batch, &mut answers[..count], query, inside);
+        search.all_in_tree(&prototype, batch, &mut answers[..count], query, inside);
         std::mem::swap(&mut inside.tests, self.tests);
         for (&i, &answer) in numbers[..count].iter().zip(&answers) {
             let hit = Q::hit(answer);

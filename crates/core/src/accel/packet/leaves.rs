@@ -202,23 +202,16 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                             set_bits::<TILE>(tile.meeting::<S, P>(*simd, geometry, number, rays))
                         {
                             let ray = (&tile.ray(i), tile.block + number_of(i));
-                            leaf::cross_listed::<Q, P>(
-                                *searched,
-                                ray,
-                                (at, number),
-                                (tests, query),
-                            );
+                            leaf::cross_listed::<Q, P>(searched, ray, (at, number), (tests, query));
                         }
                         continue;
                     }
                     match geometry.primitive(number) {
                         Primitive::Quadric(i) => {
                             let quadric = &geometry.quadrics[i];
-                            tile.meet_quadric::<S, Q, P>(
-                                *simd, *searched, quadric, at, rays, tests,
-                            );
+                            tile.meet_quadric::<S, Q, P>(*simd, searched, quadric, at, rays, tests);
                         }
-                        _ => meet_each::<Q, P>(*searched, tile, number, at, rays, tests),
+                        _ => meet_each::<Q, P>(searched, tile, number, at, rays, tests),
                     }
                 }
             },
@@ -233,7 +226,7 @@ impl RayTile {
     fn take<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
-        searched: Searched<'_>,
+        searched: &Searched<'_>,
         (g, at): (usize, (Ref, usize)),
         met: &GroupTest<S>,
         tests: &mut TestCounts,
@@ -283,7 +276,7 @@ impl RayTile {
     #[inline(always)]
     fn without_holes<S: Lanes, P: Arithmetic>(
         &self,
-        searched: Searched<'_>,
+        searched: &Searched<'_>,
         (g, (leaf, entry)): (usize, (Ref, usize)),
         hits: u32,
         low: f32x16<S>,
@@ -300,7 +293,7 @@ impl RayTile {
     #[inline(never)]
     fn opaque<P: Arithmetic>(
         &self,
-        searched: Searched<'_>,
+        searched: &Searched<'_>,
         (g, (leaf, entry)): (usize, (Ref, usize)),
         hits: u32,
         low: [f32; WIDTH],
@@ -328,7 +321,7 @@ impl RayTile {
 #[cold]
 #[inline(never)]
 fn meet_each<Q: Query, P: Arithmetic>(
-    searched: Searched<'_>,
+    searched: &Searched<'_>,
     tile: &mut RayTile,
     number: u32,
     (place, entry): (Ref, usize),

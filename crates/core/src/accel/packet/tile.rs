@@ -122,7 +122,7 @@ impl RayTile {
     #[inline(always)]
     pub(super) fn offer<Q: Query, P: Arithmetic>(
         &mut self,
-        searched: Searched<'_>,
+        searched: &Searched<'_>,
         i: usize,
         hit: Best,
         tests: &mut TestCounts,
@@ -143,7 +143,7 @@ impl RayTile {
     pub(super) fn meet_quadric<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
-        searched: Searched<'_>,
+        searched: &Searched<'_>,
         quadric: &Quadric,
         (place, entry): (Ref, usize),
         rays: u64,
@@ -231,7 +231,7 @@ impl RayTile {
     pub(super) fn answer<S: Lanes, Q: Query>(
         &self,
         simd: S,
-        Searched { tree, without_t, .. }: Searched<'_>,
+        &Searched { tree, without_t, .. }: &Searched<'_>,
         answers: &mut [Q::Answer],
         tests: &mut TestCounts,
     ) {

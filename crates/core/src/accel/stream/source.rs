@@ -54,7 +54,7 @@ pub(crate) struct RaySource<'a> {
     pub(crate) handed: &'a mut HandedRays,
     /// The first of the rays that no packet took. They start at the root.
     pub(crate) next: usize,
-    pub(crate) searched: Searched<'a>,
+    pub(crate) searched: &'a Searched<'a>,
     pub(crate) root: Root,
 }
 
@@ -117,8 +117,12 @@ impl RaySource<'_> {
         if Q::ALL && !SlabRay::new(&ray).meets(&ray, &self.root.bounds) {
             return None;
         }
-        let prepared = if INSTANCES { self.searched.prepare(&ray) } else { PreparedRay::new(&ray) };
-        (slot.ray, slot.number, slot.instance) = (prepared, number as u32, NO_INSTANCE);
+        slot.number = number as u32;
+        if INSTANCES {
+            (slot.ray, slot.instance) = (self.searched.prepare(&ray), NO_INSTANCE);
+        } else {
+            slot.ray = PreparedRay::new(&ray);
+        }
         Some(ray)
     }
 }
