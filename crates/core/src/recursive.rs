@@ -163,7 +163,7 @@ impl<P: Arithmetic> Recursive<P> {
 struct Path<'a, P, O> {
     tracer: &'a mut Recursive<P>,
     scene: &'a PreparedScene,
-    /// That of its ray.
+    /// That of the ray it has come to.
     stream: Stream,
     cancelled: &'a dyn Fn() -> bool,
     observer: &'a mut O,
@@ -219,10 +219,10 @@ impl<P: Arithmetic, O: Observer> Path<'_, P, O> {
             at.throughput *= scene.remaining(&ray, &state.media, hit.t);
         }
         let look_ups = &mut tracer.counters.samples;
-        let (end, color) = match scene.interaction::<P>(&ray, &hit, at.differential, look_ups) {
-            // By reference: a copy of a shading point takes time.
-            Interaction::Surface(point, class) => return self.shade((&at, &hit), &point, class),
-            Interaction::Light(color) => (PathEnd::Light, Some(color)),
+        // By reference: a copy of a shading point takes time.
+        let (end, color) = match &scene.interaction::<P>(&ray, &hit, at.differential, look_ups) {
+            Interaction::Surface(point, class) => return self.shade((&at, &hit), point, class),
+            Interaction::Light(color) => (PathEnd::Light, Some(*color)),
             Interaction::Nothing => (PathEnd::Nothing, scene.escaped(ray.direction, &state)),
         };
         if let Some(color) = color {

@@ -343,16 +343,16 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
 
     /// Takes `rays` to the chunk or the instance for which a list stands. Returns whether it stands for one.
     #[inline(always)]
-    fn visit_stand_in(&mut self, tile: &mut RayTile, entry: u64, rays: u64) -> bool {
-        if let Some(root) = self.searched.chunk(place(entry)) {
-            let entry = crate::math::simd::entry(distance(entry), root.bits());
+    fn visit_stand_in(&mut self, tile: &mut RayTile, list: u64, rays: u64) -> bool {
+        if let Some(root) = self.searched.chunk(place(list)) {
+            let entry = entry(distance(list), root.bits());
             tile.push(true, Visit { entry, rays });
             return true;
         }
-        let Some(instance) = self.searched.instance(place(entry)) else { return false };
+        let Some(instance) = self.searched.instance(place(list)) else { return false };
         match rays.count_ones() {
             _ if Q::ALL => {}
-            0..FEWEST => self.hand_over(tile, entry, rays),
+            0..FEWEST => self.hand_over(tile, list, rays),
             _ => self.visit_instance(tile, instance, rays),
         }
         true

@@ -91,7 +91,8 @@ impl Flight {
     }
 }
 
-/// Answers all rays of `source`, in a scene with `INSTANCES` or without: there, all rays are in one arena.
+/// Answers all rays of `source`: with `INSTANCES`, rays go on in those that they reach; else all stay in one arena, as
+/// for queries that leave instances out.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const INSTANCES: bool>(
     simd: S,
@@ -306,16 +307,13 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
         if INSTANCES { self.arenas[index] } else { self.arena }
     }
 
-    /// What the ray in a slot is searched in: the scene, or what this makes a `prototype`.
+    /// What the ray in a slot is searched in: the scene, or a prototype, which is then kept in `prototype`.
     #[inline(always)]
     fn searched_by<'b>(
         &self,
         index: usize,
         prototype: &'b mut Option<Searched<'a>>,
-    ) -> &'b Searched<'a>
-    where
-        'a: 'b,
-    {
+    ) -> &'b Searched<'a> {
         if !INSTANCES {
             return self.searched;
         }

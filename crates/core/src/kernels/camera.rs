@@ -241,7 +241,7 @@ impl Camera {
                 across.scale(ahead)
             },
         );
-        let still = Vector::splat(changes[0].x.token(), Vec3::ZERO);
+        let still = Vector::splat(token, Vec3::ZERO);
         Differential { origin: [still; 2], direction: changes }
     }
 

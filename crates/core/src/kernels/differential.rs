@@ -7,8 +7,8 @@
 //! reflection or refraction turns it ([`Differential::turned`]). At a surface, the change of the point becomes
 //! a change of texture coordinates: [`PlanarMap::change`], [`sphere_uv_change`] and [`uv_change`].
 //!
-//! Only places in triangles, whose edges may be nearly parallel, are computed in double precision. At grazing angles the
-//! derivative is unbounded, so results may be infinite or NaN. They stay so: textures use the coarsest level for
+//! Changes in triangles, whose edges may be nearly parallel, and on spheres, near whose poles they are large, are computed
+//! in double precision, all else in single. At grazing angles the derivative is unbounded, so results may be infinite or NaN. They stay so: textures use the coarsest level for
 //! values that are not finite ([`Image::level`]).
 //!
 //! [`Camera::differential`]: super::camera::Camera::differential

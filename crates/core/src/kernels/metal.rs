@@ -39,7 +39,7 @@ const GREATEST_EXPONENT: f64 = 10_000.0;
 /// - ks = (1 - r) min(1, f (n + 2) / 8): the height of that highlight, reduced with roughness.
 #[inline(always)]
 pub fn look<D: Real>(color: Vector<D>, metallic: D, roughness: D) -> MetalParameters<D> {
-    let number = |value| metallic.same_number(value);
+    let number = |value| metallic.same_rounded(value);
     let (zero, one, two) = (metallic.zero(), number(1.0), number(2.0));
     let dielectric = (one - metallic) * number(DIELECTRIC);
     let straight = Vector::new(dielectric, dielectric, dielectric) + color.scale(metallic);
@@ -63,7 +63,7 @@ pub fn look<D: Real>(color: Vector<D>, metallic: D, roughness: D) -> MetalParame
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
+    use glam::{DVec3, Vec3};
 
     use super::*;
 
@@ -98,6 +98,13 @@ mod tests {
                     assert!((0.0..=10_000.0).contains(&exponent));
                     let tint = DVec3::from(tint);
                     assert!(tint.is_finite() && tint.max_element() <= 1.0);
+                    let single: Vector<f32> = color.as_vec3().into();
+                    let single = super::look(single, metallic as f32, roughness as f32);
+                    let MetalParameters { ks, kd, exponent, kr, tint } = single;
+                    assert!((0.0..=1.0).contains(&ks) && (0.0..=1.0).contains(&kr));
+                    assert!(kd >= 0.0 && kd + kr <= 1.0 + 1e-6, "{color} {metallic} {roughness}");
+                    assert!((0.0..=10_000.0).contains(&exponent));
+                    assert!(Vec3::from(tint).max_element() <= 1.0);
                 }
             }
         }

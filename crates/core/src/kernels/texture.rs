@@ -161,12 +161,12 @@ impl Image {
                 u * u + v * v
             },
         );
+        let infinity = across.same(f32::INFINITY);
+        // Not if either is NaN.
+        let is_finite = across.lt(infinity) & down.lt(infinity);
         let longer = F::select(across.gt(down), across, down);
-        let coarsest = longer.same(self.coarsest() as f32);
-        let level = log2_from_1(longer).times(0.5).min(coarsest);
-        // Also if either is NaN.
-        let infinity = longer.same(f32::INFINITY);
-        F::select(across.lt(infinity) & down.lt(infinity), level, coarsest)
+        let longer = F::select(is_finite, longer, across.same(f32::MAX));
+        log2_from_1(longer).times(0.5).min(across.same(self.coarsest() as f32))
     }
 
     /// The colours at `uv`, bilinear in the level of detail and linear between two levels; and the
@@ -278,7 +278,7 @@ impl Image {
     }
 }
 
-/// The binary logarithm of `x`, and 0 below 1: within 2^-22 of its value.
+/// The binary logarithm of `x`, and 0 below 1: with a relative error below 2^-22.
 ///
 /// With x = 2^k m and m from the root of 1/2 to that of 2, it is k + 2 / ln 2 artanh s for
 /// s = (m - 1) / (m + 1), of which s^2 is below 0.0295: the terms after s^9 / 9 add less than

@@ -65,7 +65,7 @@ pub trait Real:
     fn same(self, value: Self::Element) -> Self;
 
     /// As [`Self::same`], of a number that is rounded to this precision.
-    fn same_number(self, value: f64) -> Self;
+    fn same_rounded(self, value: f64) -> Self;
 
     /// The number in lane `i`.
     fn lane(self, i: usize) -> Self::Element;
@@ -234,7 +234,7 @@ macro_rules! one {
             }
 
             #[inline(always)]
-            fn same_number(self, value: f64) -> Self {
+            fn same_rounded(self, value: f64) -> Self {
                 value as Self
             }
 

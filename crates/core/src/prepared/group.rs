@@ -269,7 +269,8 @@ impl<F: Single> Group<F> {
 }
 
 impl Face {
-    /// Prefetches the vertex numbers of a hit, if it is on a triangle: for [`Self::prefetch_corners`].
+    /// Prefetches the vertex numbers of a hit on a triangle, for [`Self::prefetch_corners`]; for one on another
+    /// primitive, an address that is not read.
     #[inline(always)]
     pub fn prefetch_vertices(&self, geometry: &Geometry) {
         prefetch(geometry.triangles.as_ptr().wrapping_add(self.primitive as usize).cast());

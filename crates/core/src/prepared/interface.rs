@@ -102,13 +102,21 @@ impl PreparedScene {
                 if crossed == hit { from_behind } else { self.surface_of::<P>(ray, &crossed).1 };
             sides = self.sides(media, shape, leaves, &mut traversal.media);
         }
-        let (last, behind, tint, close) = (first, sides.beyond, Vec3::ONE, None);
-        let (is_there, second) = (crossed.is_some(), next);
-        let mut found = Interface { sides, is_there, last, tint, close, next, behind, second };
-        if transparency.kt > 0.0 && shape.solid.is_some() && is_there {
+        let is_crossed = crossed.is_some();
+        let mut found = Interface {
+            sides,
+            is_there: is_crossed,
+            last: first,
+            tint: Vec3::ONE,
+            close: None,
+            next,
+            behind: sides.beyond,
+            second: next,
+        };
+        if transparency.kt > 0.0 && shape.solid.is_some() && is_crossed {
             self.join_close::<P>(ray, &mut found, traversal);
         }
-        found.is_there = is_there && (shape.solid.is_none() || self.differ(&found.sides));
+        found.is_there = is_crossed && (shape.solid.is_none() || self.differ(&found.sides));
         found
     }
 

@@ -22,13 +22,13 @@ use crate::wavefront::faces::SortedHits;
 use columns::Column;
 
 pub use branches::BranchStacks;
-pub use carried::Carried;
+pub use carried::CarriedRows;
 pub use columns::Vectors;
 pub(super) use columns::{is_row, room};
 pub use lit::{LitPoints, Tints};
 
 columns! {
-    /// Rays from the camera or from surfaces, t from 0, or from the row of [`Carried::starts`], to infinity. Written by
+    /// Rays from the camera or from surfaces, t from 0, or from the row of [`CarriedRows::starts`], to infinity. Written by
     /// generate, shade and advance, read by intersect and shade.
     Rays {
         /// Origin.
@@ -154,10 +154,10 @@ pub struct Batch {
     pub occluded: Vec<bool>,
     /// The rays of the next bounce.
     pub next: Rays,
-    /// What the rays of this bounce carry. Written by shade and advance, read by intersect and shade.
-    pub carried: Carried,
-    /// What the next rays carry.
-    pub next_carried: Carried,
+    /// What the rays of this bounce carry. Written by advance, read by intersect and shade.
+    pub carried: CarriedRows,
+    /// What the next rays carry. Written by shade and advance.
+    pub next_carried: CarriedRows,
     /// For each path what its ray of this bounce is inside of, if surfaces let light through. Written by
     /// shade, read by shadow.
     pub media: Vec<MediumStack>,
@@ -190,8 +190,8 @@ impl Batch {
             shadows: Rays::with_capacity(room(ColumnGroup::ShadowRays)),
             occluded: Vec::new(),
             next: Rays::with_capacity(room(ColumnGroup::NextRays)),
-            carried: Carried::with_capacity(capacity),
-            next_carried: Carried::with_capacity(capacity),
+            carried: CarriedRows::with_capacity(capacity),
+            next_carried: CarriedRows::with_capacity(capacity),
             media: Vec::new(),
             waiting: BranchStacks::with_capacity(room(ColumnGroup::Branches)),
             seen: Vec::new(),
@@ -314,7 +314,7 @@ fn row_bytes(group: ColumnGroup) -> usize {
         // For this bounce and the next.
         ColumnGroup::Differentials => 2 * size_of::<Differential>(),
         ColumnGroup::Branches => {
-            2 * Carried::STATE_BYTES + size_of::<MediumStack>() + BranchStacks::ROW_BYTES
+            2 * CarriedRows::STATE_BYTES + size_of::<MediumStack>() + BranchStacks::ROW_BYTES
         }
     }
 }

@@ -34,6 +34,10 @@ fn the_level_is_the_logarithm_of_the_longer_side_in_texels() {
     assert_eq!(level(&image, [2.0, 0.0], [0.0, 0.5]), 1.0);
     assert_eq!(level(&image, [-2.0, 0.0], [0.0, 4.0]), 2.0, "v counts in rows");
     assert_eq!(level(&image, [1e30, 0.0], [0.0, 0.5]), 6.0);
+    for endless in [f32::INFINITY, f32::NAN] {
+        assert_eq!(level(&image, [endless, 0.0], [0.0, 0.5]), 6.0);
+        assert_eq!(level(&image, [0.3, 0.0], [0.0, endless]), 6.0);
+    }
 }
 
 #[test]

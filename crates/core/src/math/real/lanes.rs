@@ -36,7 +36,7 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
-            fn same_number(self, value: f64) -> Self {
+            fn same_rounded(self, value: f64) -> Self {
                 self.same(value as $element)
             }
 

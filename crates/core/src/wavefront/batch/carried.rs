@@ -5,9 +5,9 @@ use crate::kernels::Differential;
 use crate::prepared::PathState;
 
 /// Rows for the rays of a bounce, each with a state, a differential, both or nothing: as the scene needs. Camera rays
-/// have none, as theirs follow from their directions.
+/// have none: their differentials follow from their directions, and all have one state.
 #[derive(Debug, Default)]
-pub struct Carried {
+pub struct CarriedRows {
     capacity: usize,
     /// What rays went through, if surfaces let light through.
     states: Vec<PathState>,
@@ -17,7 +17,7 @@ pub struct Carried {
     differentials: Vec<Differential>,
 }
 
-impl Carried {
+impl CarriedRows {
     /// Bytes of a state and a least t.
     pub const STATE_BYTES: usize = size_of::<PathState>() + size_of::<f32>();
 
