@@ -47,13 +47,13 @@ const ORDERS: [[u32; 8]; 3] =
 /// The same triangle in each lane of a leaf, in every order of its corners.
 #[inline(always)]
 fn filtered<S: Lanes>(simd: S, ray: &Ray, [a, b, c]: &[Vec3; 3]) -> LaneHits {
-    let positions = [0, 1, 2].map(|k| [a[k], b[k], c[k], a[k], a[k], a[k], a[k], a[k]]);
+    let row = |k: usize| [a[k], b[k], c[k], a[k], a[k], a[k], a[k], a[k]];
+    let positions = [row(0), row(1), row(2), row(0)];
     let packed = ORDERS.map(|order| (0..8).fold(0, |bits, lane| bits | order[lane] << (4 * lane)));
     let extent = (*b - *a).abs().max((*c - *a).abs()).max((*c - *b).abs()).max_element();
-    let range = [ray.t_min, ray.t_max, ray.t_max];
     let space = ShearedSpace::new(ray);
     let vertices = (&positions, packed, extent.next_up());
-    filter::patch::<S, ExactPrecision>(simd, (&space, range), vertices, 0xFF)
+    filter::patch::<S, ExactPrecision>(simd, (ray, &space, ray.t_max), vertices, 0xFF)
 }
 
 proptest! {

@@ -91,7 +91,7 @@ impl Best {
             *self = new;
             return true;
         }
-        let arena = searched.tree.arena.view();
+        let arena = searched.arena;
         let [old, new] = [&*self, &new].map(|hit| hit.finished(arena, ray));
         // Whichever it is, its t is known from now on.
         let comes_first = searched.geometry.order(ray, new, old).is_lt();
@@ -113,11 +113,10 @@ impl Best {
     #[inline(always)]
     pub(super) fn answer(
         &self,
-        &Searched { tree, without_t, .. }: &Searched<'_>,
+        &Searched { arena, without_t, .. }: &Searched<'_>,
         ray: &Ray,
         tests: &mut TestCounts,
     ) -> Hit {
-        let arena = tree.arena.view();
         if without_t && !self.is_none() {
             return Hit { t: self.high, primitive: self.number(arena) };
         }

@@ -214,10 +214,10 @@ impl<P: Arithmetic> Search<'_, P> {
         }
         let geometry = &self.accel.geometry;
         crossings.sort(geometry, (rays, count), |ray, best| match searched {
-            Some(Searched { tree, .. }) if best.has_t() => {
-                Hit { t: best.low, primitive: best.number(tree.arena.view()) }
+            Some(Searched { arena, .. }) if best.has_t() => {
+                Hit { t: best.low, primitive: best.number(arena) }
             }
-            Some(Searched { tree, .. }) => best.finished(tree.arena.view(), &ray()),
+            Some(Searched { arena, .. }) => best.finished(arena, &ray()),
             None => Hit { t: best.low, primitive: best.entry },
         });
         count

@@ -5,11 +5,11 @@ use fearless_simd::prelude::*;
 
 use super::arena::LeafHead;
 use super::query::ANY_HIT;
-use super::{ArenaView, Best, Kind, Patch, Query, Ref, Searched};
+use super::{ArenaView, Best, Kind, Query, Ref, Searched};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::triangle::exact;
-use crate::kernels::triangle::filter::{self, ORDERS};
+use crate::kernels::triangle::filter;
 use crate::kernels::triangle::settle::Verdict;
 use crate::kernels::{Arithmetic, LaneHits, ShearedSpace, triangle};
 use crate::math::{LANES, Lanes, Ray, Vector, outlined, set_bits};
@@ -30,7 +30,7 @@ pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
         let ray = (&ray.ray, number);
         return visit_list::<Q, P>(searched, ray, place, best, (tests, query));
     }
-    let arena = searched.tree.arena.view();
+    let arena = searched.arena;
     let hits = test::<S, P>(simd, arena, (&ray.ray, &ray.space), place, best.high, tests);
     let ray = (&ray.ray, number);
     take::<S, Q, P>(simd, searched, ray, (place, hits), best, (tests, query))
@@ -46,7 +46,7 @@ fn visit_list<Q: Query, P: Arithmetic>(
     (tests, query): (&mut TestCounts, &mut Q),
 ) -> bool {
     let mut is_closer = false;
-    let numbers = searched.tree.arena.view().list(place);
+    let numbers = searched.arena.list(place);
     for (entry, &number) in numbers.iter().enumerate() {
         if Q::ALL {
             let (ray, at) = ((ray, index), ((place, entry), number));
@@ -77,18 +77,28 @@ pub(super) fn test<S: Lanes, P: Arithmetic>(
     reach: f32,
     tests: &mut TestCounts,
 ) -> LaneHits {
-    let &LeafHead { count, quads, extent, .. } = arena.head(place);
-    tests.primitives.count_triangles(count, quads, 1);
-    let used = first_lanes(count);
     if P::IS_REFERENCE {
-        return LaneHits { open: used, ..LaneHits::default() };
+        let open = begin(arena.head(place), tests);
+        return LaneHits { open, ..LaneHits::default() };
     }
-    let range = (space, [ray.t_min, ray.t_max, reach]);
+    let ray = (ray, space, reach);
     if place.kind() == Kind::Soup {
-        return filter::soup::<S, P>(simd, range, (&arena.soup(place).corners, extent), used);
+        let soup = arena.soup(place);
+        let used = begin(&soup.head, tests);
+        let corners = (bytemuck::cast_ref(soup), soup.head.extent);
+        return filter::soup::<S, P>(simd, ray, corners, used);
     }
-    let Patch { positions, corners, .. } = arena.patch(place);
-    filter::patch::<S, P>(simd, range, (positions, *corners, extent), used)
+    let patch = arena.patch(place);
+    let used = begin(&patch.head, tests);
+    let vertices = (bytemuck::cast_ref(patch), patch.corners, patch.head.extent);
+    filter::patch::<S, P>(simd, ray, vertices, used)
+}
+
+/// Counts the triangles of a leaf, and returns a mask of them.
+#[inline(always)]
+fn begin(&LeafHead { count, quads, .. }: &LeafHead, tests: &mut TestCounts) -> u32 {
+    tests.primitives.count_triangles(count, quads, 1);
+    first_lanes(count)
 }
 
 /// A mask of the first `count` lanes.
@@ -123,7 +133,7 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
         open_overlapping(best.high, &mut hits);
     }
     if hits.open != 0 {
-        let arena = searched.tree.arena.view();
+        let arena = searched.arena;
         tests.settled += u64::from(hits.open.count_ones());
         if !P::IS_REFERENCE && hits.open.count_ones() > FEW {
             settle(simd, arena, ray, place, &mut hits);
@@ -158,7 +168,7 @@ pub(super) fn cross<Q: Query, P: Arithmetic>(
             return Some([f32::NEG_INFINITY, f32::INFINITY]);
         }
         tests.settled += 1;
-        let t = triangle::crossing(ray, &searched.tree.arena.view().triangle(place, entry))?;
+        let t = triangle::crossing(ray, &searched.arena.triangle(place, entry))?;
         Some([t, t])
     });
     let hit = t.map(|t| Best::in_leaf(place, entry, t));
@@ -257,7 +267,7 @@ fn settle<S: Lanes>(simd: S, arena: ArenaView<'_>, ray: &Ray, place: Ref, hits: 
         simd,
         #[inline(always)]
         || {
-            let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = corners(simd, arena, place, ORDERS[2]);
+            let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = corners(simd, arena, place, [0, 1, 2]);
             let corners =
                 [Vector::new(ax, ay, az), Vector::new(bx, by, bz), Vector::new(cx, cy, cz)];
             hits.settle(simd, ray, &corners);
@@ -305,7 +315,7 @@ impl Searched<'_> {
         if self.geometry.cutouts.is_empty() {
             return Some(hit);
         }
-        let number = hit.number(self.tree.arena.view());
+        let number = hit.number(self.arena);
         // Halves of quads in other leaves are tested each by itself.
         if Ref::from_bits(hit.leaf).kind() != Kind::List {
             let is_hole = self.geometry.is_hole::<P>(number, ray, hit.low, tests);

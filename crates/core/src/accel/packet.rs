@@ -337,7 +337,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
         self.tests.nodes += 1;
         self.coherence.visits += 1;
         self.coherence.rays += u64::from(rays.count_ones());
-        nodes::visit::<S, Q>(self.simd, tile, self.searched.tree.arena.view(), at, rays);
+        nodes::visit::<S, Q>(self.simd, tile, self.searched.arena, at, rays);
         true
     }
 

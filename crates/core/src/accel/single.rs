@@ -34,29 +34,32 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const WORLD: bool>(
     (stack, from): (&mut [u64], u64),
     (tests, query): (&mut TestCounts, &mut Q),
 ) -> Best {
-    let arena = searched.tree.arena.view();
+    let arena = searched.arena;
     stack[0] = from;
     let mut height = 1;
-    while height > 0 {
+    'entries: while height > 0 {
         height -= 1;
         let entry = stack[height];
         // In other queries the limit is fixed, and everything on the stack is within it.
         if Q::NEAREST && distance(entry) > ray.slab.reach(best.high) {
             continue;
         }
-        let mut next = Some(place(entry));
-        while let Some(at) = next {
-            if at.kind() == Kind::Node {
-                tests.nodes += 1;
-                let range = [ray.ray.t_min, best.high];
-                (next, height) =
-                    node::enter::<S, Q>(simd, arena.node(at), at, &ray.slab, range, stack, height);
-                continue;
-            }
-            let Some(root) = searched.chunk(at) else { break };
-            next = Some(root);
+        let mut at = place(entry);
+        while at.kind() == Kind::Node {
+            tests.nodes += 1;
+            let node = arena.node(at);
+            let met = node::children(simd, node, ray, best.high);
+            let next = node::enter::<S, Q>(simd, (node, at), met, (&mut *stack, height));
+            height = next.1;
+            let Some(child) = next.0 else { continue 'entries };
+            at = child;
         }
-        let Some(leaf) = next else { continue };
+        if let Some(root) = searched.chunk(at) {
+            stack[height] = crate::math::entry(distance(entry), root.bits());
+            height += 1;
+            continue;
+        }
+        let leaf = at;
         if WORLD && let Some(instance) = searched.instance(leaf) {
             if Q::ALL {
                 continue;

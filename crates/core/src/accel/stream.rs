@@ -14,7 +14,6 @@ mod source;
 use std::marker::PhantomData;
 
 use bytemuck::Zeroable;
-use fearless_simd::prelude::*;
 use glam::Vec3;
 
 use super::arena::StandIn;
@@ -30,8 +29,9 @@ pub(super) use source::{HandedRays, RaySource};
 /// Streams of rays in flight.
 pub(super) const FLIGHT: usize = 64;
 
-/// A ray in flight.
+/// A ray in flight: two cache lines.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(128))]
 pub(super) struct Slot {
     pub(super) ray: PreparedRay,
     best: Best,
@@ -39,7 +39,13 @@ pub(super) struct Slot {
     number: u32,
     /// The instance in which it is searched, or [`NO_INSTANCE`].
     instance: u32,
+    /// The last entry of its stack among those of all.
+    last: u32,
+    /// The next place.
+    place: Ref,
 }
+
+const _: () = assert!(size_of::<Slot>() == 128);
 
 /// The number of no instance.
 const NO_INSTANCE: u32 = u32::MAX;
@@ -71,12 +77,10 @@ pub(super) struct Flight {
 #[derive(Clone, Copy, Debug, Zeroable)]
 struct RoundMemory {
     next: NextSteps,
-    /// The end of each stack.
-    tops: [usize; FLIGHT],
-    /// For each step to a node its children, and a bit for each that is met.
+    /// For each step to a node entries of the children met, and a bit for each that is met.
     met: ([ChildEntries; FLIGHT], [u8; FLIGHT]),
-    /// For each step to a patch what is found there.
-    found: [LaneHits; FLIGHT],
+    /// What is found in patches, by slots.
+    found: [(u32, LaneHits); FLIGHT],
 }
 
 impl Flight {
@@ -85,7 +89,8 @@ impl Flight {
         // The bottom of the stack, and the places a packet hands over.
         let stride = entries + 1 + MOST_HANDED as usize;
         let ray = PreparedRay::new(&Ray::new(Vec3::ZERO, Vec3::X));
-        let empty = Slot { ray, best: Best::none(0.0), number: 0, instance: NO_INSTANCE };
+        let (best, place) = (Best::none(0.0), Ref::default());
+        let empty = Slot { ray, best, number: 0, instance: NO_INSTANCE, last: 0, place };
         let (stacks, rounds) = (vec![0; stride * FLIGHT], vec![RoundMemory::zeroed()]);
         Self { slots: vec![empty; 2 * FLIGHT], stacks, stride, rounds }
     }
@@ -108,18 +113,17 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const INSTANCES: bool>(
         return;
     };
     // There are no steps left from the call before.
-    let RoundMemory { next, tops, met, found } = round;
+    let RoundMemory { next, met, found } = round;
     // Only references and no array, so that everything stays in registers.
     let mut rounds = FlightRounds::<Q, P, INSTANCES> {
         searched,
-        arena: searched.tree.arena.view(),
-        arenas: &mut [searched.tree.arena.view(); FLIGHT],
+        arena: searched.arena,
+        arenas: &mut [searched.arena; FLIGHT],
         source: &mut source,
         answers,
         slots,
         outside,
         stacks,
-        tops,
         stride: *stride,
         tests,
         query,
@@ -153,9 +157,8 @@ struct FlightRounds<'a, 'b, Q: Query, P, const INSTANCES: bool> {
     slots: &'a mut [Slot; FLIGHT],
     /// Of rays in instances, as they were outside.
     outside: &'a mut [Slot],
-    /// The stacks of `stride` entries in sequence, and the end of each.
+    /// The stacks of `stride` entries in sequence.
     stacks: &'a mut [u64],
-    tops: &'a mut [usize; FLIGHT],
     stride: usize,
     tests: &'a mut TestCounts,
     query: &'a mut Q,
@@ -176,16 +179,14 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
             return false;
         };
         *end = entry(f32::NEG_INFINITY, BOTTOM);
-        self.tops[index] = bottom + height;
         if INSTANCES {
             self.arenas[index] = self.arena;
         }
-        self.next.push(self.arena(index), index, place(self.stacks[bottom + height]));
+        self.pop(index, bottom + height);
         true
     }
 
-    /// Takes all steps to nodes: first finds the children, and a bit for each that is met, then the
-    /// next step.
+    /// Takes all steps to nodes: first tests the boxes of the children, then goes on.
     #[inline(always)]
     fn visit_nodes<S: Lanes>(
         &mut self,
@@ -194,58 +195,62 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
     ) {
         let nodes = self.next.take(Kind::Node);
         self.tests.nodes += nodes as u64;
-        for (i, (children, met)) in
-            children.iter_mut().zip(masks.iter_mut()).enumerate().take(nodes)
-        {
-            let step = self.next.get(Kind::Node, i);
-            let at = step.place();
-            let Slot { ray, best, .. } = &self.slots[step.slot()];
-            let node = self.arena(step.slot()).node(at);
-            let (near, mask) = node::children(simd, node, &ray.slab, [ray.ray.t_min, best.high]);
-            *children = ChildEntries(simd.entries(near, node::places(simd, node, at)));
-            *met = mask.to_bitmask() as u8;
+        for i in 0..nodes {
+            let index = self.next.get(Kind::Node, i);
+            let Slot { ray, best, place, .. } = &self.slots[index];
+            let node = self.arena(index).node(*place);
+            let met = node::children(simd, node, ray, best.high);
+            let (entries, mask) = node::entries(met, node::places(simd, node, *place));
+            (children[i], masks[i]) = (ChildEntries(entries), mask);
         }
-        for (i, (ChildEntries(entries), mask)) in
-            children.iter().zip(masks.iter()).enumerate().take(nodes)
-        {
-            let index = self.next.get(Kind::Node, i).slot();
-            let top = self.tops[index];
-            let top = node::append::<S, Q>(simd, entries, *mask, self.stacks, top) - 1;
-            self.tops[index] = top;
-            self.next.push(self.arena(index), index, place(self.stacks[top]));
+        for i in 0..nodes {
+            let index = self.next.get(Kind::Node, i);
+            let last = self.slots[index].last;
+            // With the entry below, which comes next if no child is met.
+            let from = last as usize;
+            let Some(top) = self.stacks.get_mut(from..from + LANES + 1) else { continue };
+            let Some((_, room)) = top.split_first_chunk_mut::<1>() else { continue };
+            let Some(room) = room.first_chunk_mut() else { continue };
+            let count = node::push::<S, Q>(simd, (&children[i].0, masks[i]), room);
+            let next = place(top[count]);
+            self.slots[index].last = (last + count as u32).wrapping_sub(1);
+            self.step(index, next);
         }
     }
 
-    /// Takes the steps to patches, if there are enough: first tests the triangles, then stores the
-    /// results.
+    /// Takes the steps to patches, if there are enough: first tests the triangles, then takes what is found.
     #[inline(always)]
-    fn visit_patches<S: Lanes>(&mut self, simd: S, found: &mut [LaneHits; FLIGHT]) {
+    fn visit_patches<S: Lanes>(&mut self, simd: S, found: &mut [(u32, LaneHits); FLIGHT]) {
         let patches = self.next.take_enough(Kind::Patch);
-        for (i, found) in found.iter_mut().enumerate().take(patches) {
-            let step = self.next.get(Kind::Patch, i);
-            let Slot { ray, best, .. } = &self.slots[step.slot()];
-            let ray = (&ray.ray, &ray.space);
-            let arena = self.arena(step.slot());
-            *found = leaf::test::<S, P>(simd, arena, ray, step.place(), best.high, self.tests);
-        }
         self.tests.leaves += patches as u64;
-        for (i, hits) in found.iter().enumerate().take(patches) {
-            let step = self.next.get(Kind::Patch, i);
-            let met = hits.certain | hits.open;
-            let is_closer = met != 0 && {
-                let mut prototype = None;
-                let searched = self.searched_by(step.slot(), &mut prototype);
-                let Slot { ray, best, number, .. } = &mut self.slots[step.slot()];
-                let (ray, found) = ((&ray.ray, *number as usize), (step.place(), *hits));
-                let memory = (&mut *self.tests, &mut *self.query);
-                leaf::take::<S, Q, P>(simd, searched, ray, found, best, memory)
-            };
+        let mut count = 0;
+        for i in 0..patches {
+            let index = self.next.get(Kind::Patch, i);
+            let Slot { ray, best, place, last, .. } = &self.slots[index];
+            let ray = (&ray.ray, &ray.space);
+            let arena = self.arena(index);
+            let hits = leaf::test::<S, P>(simd, arena, ray, *place, best.high, self.tests);
+            if hits.certain | hits.open == 0 {
+                self.pop(index, *last as usize);
+            } else {
+                found[count] = (index as u32, hits);
+                count += 1;
+            }
+        }
+        for &(index, hits) in &found[..count] {
+            let index = index as usize % FLIGHT;
+            let mut prototype = None;
+            let searched = self.searched_by(index, &mut prototype);
+            let Slot { ray, best, number, place, .. } = &mut self.slots[index];
+            let (ray, found) = ((&ray.ray, *number as usize), (*place, hits));
+            let memory = (&mut *self.tests, &mut *self.query);
+            let is_closer = leaf::take::<S, Q, P>(simd, searched, ray, found, best, memory);
             if is_closer && Q::NEAREST {
                 // Wanted when the ray is done.
-                let arena = self.arena(step.slot());
-                arena.prefetch_numbers(arena.patch(step.place()).head.first);
+                let arena = self.arena(index);
+                arena.prefetch_numbers(arena.patch(self.slots[index].place).head.first);
             }
-            self.go_on(step.slot(), is_closer);
+            self.go_on(index, is_closer);
         }
     }
 
@@ -254,10 +259,12 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
     #[inline(always)]
     fn visit_others<S: Lanes>(&mut self, simd: S, kind: Kind) {
         for i in 0..self.next.take_enough(kind) {
-            let step = self.next.get(kind, i);
-            let (index, at) = (step.slot(), step.place());
+            let index = self.next.get(kind, i);
+            let at = self.slots[index].place;
             if at.bits() == BOTTOM {
-                if INSTANCES && self.tops[index] > index * self.stride {
+                if INSTANCES
+                    && self.slots[index].last.wrapping_add(1) as usize > index * self.stride
+                {
                     self.leave(index);
                     continue;
                 }
@@ -270,7 +277,7 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
             let mut prototype = None;
             let searched = self.searched_by(index, &mut prototype);
             if let Some(root) = searched.chunk(at) {
-                self.next.push(self.arena(index), index, root);
+                self.step(index, root);
                 continue;
             }
             if INSTANCES && searched.instance(at).is_some() {
@@ -289,16 +296,29 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
     /// of entries beyond, or of all if any hit suffices.
     #[inline(always)]
     fn go_on(&mut self, index: usize, is_closer: bool) {
-        let mut top = self.tops[index];
+        let Slot { ray, best, last, .. } = &self.slots[index];
+        let mut last = *last as usize;
         if is_closer {
             let bottom = index * self.stride;
-            let Slot { ray, best, .. } = &self.slots[index];
             let reach = ray.slab.reach(best.high);
-            top = if Q::ANY { bottom + 1 } else { clear(self.stacks, bottom, top, reach) };
+            last = if Q::ANY { bottom } else { clear(self.stacks, bottom, last, reach) };
         }
-        top -= 1;
-        self.tops[index] = top;
-        self.next.push(self.arena(index), index, place(self.stacks[top]));
+        self.pop(index, last);
+    }
+
+    /// Takes the next place from a stack that ends with the entry `last`.
+    #[inline(always)]
+    fn pop(&mut self, index: usize, last: usize) {
+        self.slots[index].last = (last as u32).wrapping_sub(1);
+        self.step(index, place(self.stacks[last]));
+    }
+
+    /// Takes a ray to `place` in the next round, and prefetches that.
+    #[inline(always)]
+    fn step(&mut self, index: usize, place: Ref) {
+        self.arena(index).prefetch(place);
+        self.slots[index].place = place;
+        self.next.push(place.kind(), index);
     }
 
     /// The arena in which the ray in a slot is.
@@ -341,20 +361,22 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
             ray: prototype.prepare(&carried),
             best: Best::none(carried.t_max),
             instance: number as u32,
+            last: slot.last + 1,
             ..*slot
         };
+        self.stacks[slot.last as usize + 1] = entry(f32::NEG_INFINITY, BOTTOM);
         self.outside[index] = std::mem::replace(slot, inside);
-        self.arenas[index] = prototype.tree.arena.view();
-        let top = &mut self.tops[index];
-        self.stacks[*top] = entry(f32::NEG_INFINITY, BOTTOM);
-        *top += 1;
-        self.next.push(self.arena(index), index, root.place);
+        self.arenas[index] = prototype.arena;
+        self.step(index, root.place);
     }
 
     /// Goes on outside of an instance.
     #[inline(never)]
     fn leave(&mut self, index: usize) {
-        let inside = std::mem::replace(&mut self.slots[index], self.outside[index]);
+        // The stack may have lost entries below since.
+        let last = self.slots[index].last;
+        let outside = Slot { last, ..self.outside[index] };
+        let inside = std::mem::replace(&mut self.slots[index], outside);
         self.arenas[index] = self.arena;
         let slot = &mut self.slots[index];
         let instance = &self.searched.geometry.instances[inside.instance as usize];
@@ -366,13 +388,14 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
     }
 }
 
-/// Removes the entries from `bottom` to `top` that are farther than `reach`. Returns the new top.
+/// Removes the entries from `bottom` to `last` that are farther than `reach`, which the first is not. Returns
+/// the last that is left.
 #[inline(always)]
-fn clear(stacks: &mut [u64], bottom: usize, top: usize, reach: f32) -> usize {
+fn clear(stacks: &mut [u64], bottom: usize, last: usize, reach: f32) -> usize {
     let mut kept = bottom;
-    for i in bottom..top {
+    for i in bottom + 1..=last {
         let entry = stacks[i];
-        stacks[kept] = entry;
+        stacks[kept + 1] = entry;
         kept += usize::from(distance(entry) <= reach);
     }
     kept

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use super::arena::StandIn;
-use super::{Arena, Best, Hit, Kind, NO_PRIMITIVE, Ref, TreeContents, child_of};
+use super::{Arena, ArenaView, Best, Hit, Kind, NO_PRIMITIVE, Ref, TreeContents, child_of};
 use crate::counters::TestCounts;
 use crate::geometry::instance::Instance;
 use crate::geometry::{Geometry, PreparedRay, Surfaces};
@@ -50,6 +50,8 @@ pub(super) struct Chunk {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Searched<'a> {
     pub(super) tree: &'a Tree,
+    /// That of the tree.
+    pub(super) arena: ArenaView<'a>,
     pub(super) geometry: &'a Geometry,
     /// The trees of prototypes.
     pub(super) blas: &'a [Tree],
@@ -192,8 +194,8 @@ impl Tree {
 impl<'a> Searched<'a> {
     /// All of a tree without instances.
     pub(super) fn new(tree: &'a Tree, geometry: &'a Geometry) -> Self {
-        let root = tree.root;
-        Self { tree, geometry, blas: &[], root, without_t: false, only_instances: false }
+        let (arena, root) = (tree.arena.view(), tree.root);
+        Self { tree, arena, geometry, blas: &[], root, without_t: false, only_instances: false }
     }
 
     /// Prepares a ray for the search.
@@ -205,7 +207,7 @@ impl<'a> Searched<'a> {
     /// The instance for which the list at `place` stands; `None` for other places.
     #[inline(always)]
     pub(super) fn instance(&self, place: Ref) -> Option<&'a Instance> {
-        let number = self.tree.arena.view().stands_for(StandIn::Instance, place)?;
+        let number = self.arena.stands_for(StandIn::Instance, place)?;
         self.geometry.instances.get(number)
     }
 

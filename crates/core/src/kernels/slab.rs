@@ -25,7 +25,7 @@
 //! hits, so no box with a closer or equally close hit is skipped. The same holds for any box around
 //! that one, whatever the shape of the tree, and for the ends of a ray's range.
 
-use glam::{Vec3, Vec3A};
+use glam::{Vec3, Vec3A, Vec4};
 
 use crate::math::float::{UNIT_ROUNDOFF, max, min};
 use crate::math::{Ray, Real};
@@ -70,22 +70,57 @@ impl Aabb {
     }
 }
 
-/// A ray prepared for slab tests.
+/// A ray prepared for slab tests. Rows of four numbers, as whole rows are written at once: what is read of pieces
+/// just written waits.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
-    /// Reciprocal of the direction. Infinite, with the sign of the zero, for zero components; 1 or
-    /// -1 for other components whose reciprocal is no normal number.
-    pub reciprocal: Vec3A,
-    /// The origin for entry planes: see the module documentation.
-    pub near_origin: Vec3A,
+    /// Reciprocal of the opposite direction: t is the distance from a plane to the origin, times this.
+    /// Infinite, with the sign opposite to the zero's, for zero components; 1 or -1 for other components
+    /// whose reciprocal is no normal number. The fourth number has the bits of [`Self::entry`].
+    opposite: Vec4,
+    /// The origin for entry planes: see the module documentation. The fourth number is [`Self::slack`].
+    near_origin: Vec4,
     /// The origin for exit planes.
-    pub far_origin: Vec3A,
-    /// The entry plane of each axis among the six of a box, the low and the high one of each axis:
-    /// the high one if the ray runs towards smaller coordinates.
-    pub entry: [u32; 3],
-    /// By what a far t grows, besides [`WIDENING`].
-    pub slack: f32,
+    far_origin: Vec4,
 }
+
+/// The reciprocal of the opposite direction, and the origins for entry and exit planes, for boxes that are off by
+/// `factor` times [`PADDING`], or if a component of the direction is zero or its reciprocal no normal number.
+#[cold]
+#[inline(never)]
+fn moved(ray: &Ray, factor: f32, opposite: Vec3A) -> [Vec3A; 3] {
+    let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
+    let negative = opposite.cmpgt(Vec3A::ZERO);
+    let is_zero = direction.cmpeq(Vec3A::ZERO);
+    let ulp = origin.abs() * f32::EPSILON + f32::MIN_POSITIVE;
+    let pad = Vec3A::splat(factor * PADDING * origin.abs().max_element());
+    let pad = Vec3A::select(is_zero, pad.max(ulp), pad);
+    let shift = Vec3A::select(negative, -pad, pad);
+    // If the reciprocal of a nonzero component is no normal number, the crossing of a plane is
+    // unknown: all boxes count as met along that axis.
+    let size = opposite.abs();
+    let unknown =
+        (size.cmpeq(Vec3A::INFINITY) & !is_zero) | size.cmplt(Vec3A::splat(f32::MIN_POSITIVE));
+    let sign = Vec3A::select(negative, Vec3A::NEG_ONE, Vec3A::ONE);
+    let before = sign * f32::MAX;
+    [
+        Vec3A::select(unknown, -sign, opposite),
+        Vec3A::select(unknown, before, origin + shift),
+        Vec3A::select(unknown, -before, origin - shift),
+    ]
+}
+
+/// The places of entry planes by the signs of the direction, a bit for each negative component: see
+/// [`SlabRay::entry`]. A byte for each axis.
+const ENTRIES: [u32; 8] = {
+    let mut entries = [0x0020_1000; 8];
+    let mut signs = 0;
+    while signs < 24 {
+        entries[signs / 3] += ((((signs / 3) >> (signs % 3)) & 1) as u32) << (8 * (signs % 3) + 3);
+        signs += 1;
+    }
+    entries
+};
 
 /// See [`SlabRay::slack`], for a ray whose range begins at `t_min`.
 #[inline(always)]
@@ -104,34 +139,52 @@ impl SlabRay {
     /// largest coordinate of the origin.
     #[inline(always)]
     pub fn widened(ray: &Ray, factor: f32) -> Self {
-        let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
-        let reciprocal = direction.recip();
-        let negative = reciprocal.cmplt(Vec3A::ZERO);
-        let is_zero = direction.cmpeq(Vec3A::ZERO);
-        let ulp = origin.abs() * f32::EPSILON + f32::MIN_POSITIVE;
-        let pad = Vec3A::splat(factor * PADDING * origin.abs().max_element());
-        let pad = Vec3A::select(is_zero, pad.max(ulp), pad);
-        let shift = Vec3A::select(negative, -pad, pad);
-        // If the reciprocal of a nonzero component is no normal number, the crossing of a plane is
-        // unknown: all boxes count as met along that axis.
-        let size = reciprocal.abs();
-        let unknown =
-            (size.cmpeq(Vec3A::INFINITY) & !is_zero) | size.cmplt(Vec3A::splat(f32::MIN_POSITIVE));
-        let sign = Vec3A::select(negative, Vec3A::NEG_ONE, Vec3A::ONE);
-        let before = sign * f32::MAX;
+        let opposite = Vec3A::NEG_ONE / Vec3A::from(ray.direction);
+        let size = opposite.abs();
+        let usual =
+            size.cmpge(Vec3A::splat(f32::MIN_POSITIVE)) & size.cmple(Vec3A::splat(f32::MAX));
+        let entry = ENTRIES[opposite.cmpgt(Vec3A::ZERO).bitmask() as usize % ENTRIES.len()];
+        let origin = Vec3A::from(ray.origin);
+        let rows = if usual.all() && factor == 0.0 {
+            [opposite, origin, origin]
+        } else {
+            moved(ray, factor, opposite)
+        };
+        let [opposite, near_origin, far_origin] = rows;
         Self {
-            reciprocal: Vec3A::select(unknown, sign, reciprocal),
-            near_origin: Vec3A::select(unknown, before, origin + shift),
-            far_origin: Vec3A::select(unknown, -before, origin - shift),
-            entry: [0, 1, 2].map(|k: usize| 2 * k as u32 + u32::from(negative.test(k))),
-            slack: slack(ray.t_min),
+            opposite: opposite.extend(f32::from_bits(entry)),
+            near_origin: near_origin.extend(slack(ray.t_min)),
+            far_origin: far_origin.extend(0.0),
         }
+    }
+
+    /// Where the row of the entry planes on axis `k` begins among those of the eight children of a node, the low and
+    /// the high ones of each axis: the high ones if the ray runs towards smaller coordinates.
+    #[inline(always)]
+    pub fn entry(&self, k: usize) -> usize {
+        (self.opposite.w.to_bits() >> (8 * k)) as usize & 0x38
+    }
+
+    /// By what a far t grows, besides [`WIDENING`].
+    #[inline(always)]
+    pub fn slack(&self) -> f32 {
+        self.near_origin.w
+    }
+
+    /// The t at which the ray crosses its entry and exit planes on axis `k`, of one box or of several, rounded: a
+    /// number for each.
+    #[inline(always)]
+    pub fn crossings<F: Real<Element = f32>>(&self, k: usize, first: F, last: F) -> [F; 2] {
+        // In this order planes in memory are read by the subtraction itself.
+        let near = first.same(self.near_origin[k]) - first;
+        let far = last.same(self.far_origin[k]) - last;
+        [near.times(self.opposite[k]), far.times(self.opposite[k])]
     }
 
     /// The distance beyond which boxes hold no hit at `t` or before.
     #[inline(always)]
     pub fn reach(&self, t: f32) -> f32 {
-        t * WIDENING + self.slack
+        t * WIDENING + self.slack()
     }
 
     /// The ends of a range of t that contains all t at which the ray is in `bounds`: it is empty if the
@@ -144,7 +197,7 @@ impl SlabRay {
     pub fn interval(&self, bounds: &Aabb) -> [f32; 2] {
         let axis = |k: usize| {
             let (low, high) = (bounds.low[k], bounds.high[k]);
-            let [first, last] = if self.entry[k] & 1 == 1 { [high, low] } else { [low, high] };
+            let [first, last] = if self.entry(k) & 8 != 0 { [high, low] } else { [low, high] };
             self.crossings(k, first, last)
         };
         let ([x0, x1], [y0, y1], [z0, z1]) = (axis(0), axis(1), axis(2));
@@ -156,14 +209,5 @@ impl SlabRay {
     pub fn meets(&self, ray: &Ray, bounds: &Aabb) -> bool {
         let [near, far] = self.interval(bounds);
         max(near, ray.t_min) <= min(far, self.reach(ray.t_max))
-    }
-
-    /// The t at which the ray crosses its entry and exit planes on axis `k`, of one box or of
-    /// several, rounded.
-    #[inline(always)]
-    pub fn crossings<F: Real<Element = f32>>(&self, k: usize, first: F, last: F) -> [F; 2] {
-        let near = first - first.same(self.near_origin[k]);
-        let far = last - last.same(self.far_origin[k]);
-        [near.times(self.reciprocal[k]), far.times(self.reciprocal[k])]
     }
 }

@@ -186,34 +186,30 @@ pub trait Lanes: Simd {
         low.narrow(high)
     }
 
-    /// Eight stack entries ([`entry`]).
+    /// Writes the first `count` of the `entries` ([`entry`]), behind which all are zero, to `sorted`: the nearest
+    /// last. What is written behind them is unspecified.
+    ///
+    /// Without a branch for up to two, so that the processor works on several nodes at any time; more are rare.
     #[inline(always)]
-    fn entries(self, near: f32x8<Self>, children: u32x8<Self>) -> [u64; LANES] {
-        let near = near.to_bits();
-        let (low, high) = (children.zip_low(near), children.zip_high(near));
-        bytemuck::cast([<[u32; LANES]>::from(low), <[u32; LANES]>::from(high)])
-    }
-
-    /// Writes the `entries` whose bit in `mask` is 1, the nearest last. Entries beyond them are
-    /// unspecified.
-    #[inline(always)]
-    fn far_to_near(self, entries: &[u64; LANES], mask: u8, sorted: &mut [u64; LANES]) {
-        for (mut place, lane) in set_bits::<LANES>(mask).enumerate() {
-            let new = entries[lane];
-            while place > 0 && sorted[place - 1] < new {
-                sorted[place] = sorted[place - 1];
-                place -= 1;
-            }
-            sorted[place] = new;
+    fn far_to_near(self, entries: &[u64; LANES], count: usize, sorted: &mut [u64; LANES]) {
+        let [one, other, ..] = *entries;
+        (sorted[0], sorted[1]) = (one.max(other), one.min(other));
+        if count > 2 {
+            insert_others(entries, count, sorted);
         }
     }
+}
 
-    /// As [`Lanes::far_to_near`], in the given order.
-    #[inline(always)]
-    fn compress(self, entries: &[u64; LANES], mask: u8, compressed: &mut [u64; LANES]) {
-        for (place, lane) in set_bits::<LANES>(mask).enumerate() {
-            compressed[place & (LANES - 1)] = entries[lane];
+/// Sorts those behind the first two. In a function of its own, which leaves the registers to the usual case.
+#[cold]
+#[inline(never)]
+fn insert_others(entries: &[u64; LANES], count: usize, sorted: &mut [u64; LANES]) {
+    for (mut place, &new) in entries.iter().enumerate().take(count).skip(2) {
+        while place > 0 && sorted[place - 1] < new {
+            sorted[place] = sorted[place - 1];
+            place -= 1;
         }
+        sorted[place] = new;
     }
 }
 

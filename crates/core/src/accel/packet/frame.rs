@@ -105,7 +105,8 @@ impl Frame {
         };
         let [x, y, z] = at(direction).map(f32::abs);
         let longest = if z >= x && z >= y { 2 } else { usize::from(y >= x) };
-        let order = ORDERS[longest].map(|axis| axis.min(2));
+        let [x, y, z, _] = ORDERS[longest].map(usize::from);
+        let order = [x.min(2), y.min(2), z.min(2)];
         let turned = |v: [f32; 3]| order.map(|axis| v[axis]);
         let [dx, dy, dz] = turned(at(direction));
         (self.order, self.middle, self.shear) = (order, turned(at(origin)), [dx / dz, dy / dz]);

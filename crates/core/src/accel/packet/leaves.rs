@@ -40,7 +40,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     /// Tests the rays one by one. Returns whether any has a closer hit.
     #[inline(always)]
     fn test_alone(&mut self, tile: &mut RayTile, place: Ref, rays: u64) -> bool {
-        let arena = self.searched.tree.arena.view();
+        let arena = self.searched.arena;
         let mut is_closer = false;
         for i in set_bits::<TILE>(rays) {
             let (ray, space) = (tile.ray(i), tile.space(i));
@@ -68,7 +68,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     /// Tests the rays together. Returns whether any has a closer hit.
     #[inline(always)]
     fn test_together(&mut self, tile: &mut RayTile, place: Ref, rays: u64) -> bool {
-        let arena = self.searched.tree.arena.view();
+        let arena = self.searched.arena;
         let &LeafHead { first, count, quads, .. } = arena.head(place);
         if Q::NEAREST {
             arena.prefetch_numbers(first);
@@ -152,7 +152,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                 let pairs = tile.open;
                 let pairs = &pairs[..tile.open_count.min(LANES)];
                 tests.settled += pairs.len() as u64;
-                let arena = searched.tree.arena.view();
+                let arena = searched.arena;
                 let zeros = Vector::<f32x8<S>>::splat(simd, Vec3::ZERO);
                 let mut line = Line { origin: zeros, direction: zeros };
                 let (mut corners, mut range) = ([zeros; 3], [zeros.x; 2]);
@@ -194,8 +194,8 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
             *simd,
             #[inline(always)]
             || {
-                let Searched { tree, geometry, .. } = *searched;
-                for (entry, &number) in tree.arena.view().list(place).iter().enumerate() {
+                let Searched { arena, geometry, .. } = *searched;
+                for (entry, &number) in arena.list(place).iter().enumerate() {
                     let at = (place, entry);
                     if Q::ALL {
                         for i in
@@ -299,7 +299,7 @@ impl RayTile {
         low: [f32; WIDTH],
         tests: &mut TestCounts,
     ) -> u32 {
-        let number = searched.tree.arena.view().number_of(leaf, entry);
+        let number = searched.arena.number_of(leaf, entry);
         let Some(cutout) = searched.geometry.cutout(number) else { return hits };
         let mut opaque = 0;
         for lane in set_bits::<WIDTH>(hits) {

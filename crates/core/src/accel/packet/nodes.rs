@@ -5,7 +5,7 @@ use fearless_simd::{f32x16, u32x8};
 
 use super::beam::MetChildren;
 use super::{GROUPS, RayTile, TileColumn, Visit, WIDTH, load};
-use crate::accel::{ArenaView, Node, Query, Ref, child_of, distance, widened};
+use crate::accel::{ArenaView, Node, Query, Ref, child_of, distance, node, widened};
 use crate::math::{LANES, Lanes, entry};
 
 /// Queues the children of the node at `place` that `rays` of the tile meet: the nearest last, or for
@@ -18,28 +18,23 @@ pub(super) fn visit<S: Lanes, Q: Query>(
     place: Ref,
     rays: u64,
 ) {
-    let node = arena.node(place);
-    let MetChildren { near, some, all } = tile.beam.children(simd, node);
+    let of = arena.node(place);
+    let MetChildren { near, some, all } = tile.beam.children(simd, of);
     let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
+    let (entries, some) = node::entries((near, some), lanes);
     let mut met = [0; LANES];
-    let some = some.to_bitmask() as u8;
-    let entries = simd.entries(near, lanes);
-    if Q::NEAREST {
-        simd.far_to_near(&entries, some, &mut met);
-    } else {
-        simd.compress(&entries, some, &mut met);
-    }
+    let count = node::push::<S, Q>(simd, (&entries, some), &mut met);
     let all = all.to_bitmask();
-    for &child in &met[..some.count_ones() as usize % (LANES + 1)] {
+    for &child in &met[..count % (LANES + 1)] {
         let lane = child as usize & (LANES - 1);
         let rays = if all >> lane & 1 == 1 {
             rays
         } else if tile.beam.has_one_origin {
-            rays_in::<S, true>(simd, tile, node, lane, rays)
+            rays_in::<S, true>(simd, tile, of, lane, rays)
         } else {
-            rays_in::<S, false>(simd, tile, node, lane, rays)
+            rays_in::<S, false>(simd, tile, of, lane, rays)
         };
-        let at = child_of(node, place, lane);
+        let at = child_of(of, place, lane);
         let is_met = rays != 0;
         arena.prefetch(if is_met { at } else { place });
         tile.push(is_met, Visit { entry: entry(distance(child), at.bits()), rays });

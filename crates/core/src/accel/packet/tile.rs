@@ -231,11 +231,10 @@ impl RayTile {
     pub(super) fn answer<S: Lanes, Q: Query>(
         &self,
         simd: S,
-        &Searched { tree, without_t, .. }: &Searched<'_>,
+        &Searched { arena, without_t, .. }: &Searched<'_>,
         answers: &mut [Q::Answer],
         tests: &mut TestCounts,
     ) {
-        let arena = tree.arena.view();
         if Q::ALL {
             return;
         }

@@ -4,7 +4,7 @@ use super::{NO_INSTANCE, Slot};
 use crate::accel::{Best, Hit, Query, Rays, Root, Searched, distance};
 use crate::geometry::PreparedRay;
 use crate::kernels::SlabRay;
-use crate::math::{Ray, entry};
+use crate::math::entry;
 
 /// The largest number of places handed over with a ray.
 pub(super) const MOST_HANDED: u32 = 24;
@@ -70,9 +70,11 @@ impl RaySource<'_> {
     ) -> Option<usize> {
         while let Some(number) = self.handed.queue.pop() {
             let number = number as usize;
-            let Some(ray) = self.prepare::<Q, INSTANCES>(number, answers, slot) else { continue };
+            if !self.prepare::<Q, INSTANCES>(number, answers, slot) {
+                continue;
+            }
             let Some(hit) = Q::go_on(answers[number]) else { continue };
-            let best = if hit.is_miss() { Best::none(ray.t_max) } else { Best::of(hit) };
+            let best = if hit.is_miss() { Best::none(slot.ray.ray.t_max) } else { Best::of(hit) };
             let (mut entries, reach) = (0, slot.ray.slab.reach(best.high));
             let mut place = self.handed.last[number].0;
             // From the farthest to the nearest, which comes last.
@@ -92,37 +94,46 @@ impl RaySource<'_> {
             if Q::ALL && Q::go_on(answers[number]).is_none() {
                 continue;
             }
-            let Some(ray) = self.prepare::<Q, INSTANCES>(number, answers, slot) else { continue };
+            if !self.prepare::<Q, INSTANCES>(number, answers, slot) {
+                continue;
+            }
             stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
-            slot.best = Best::none(ray.t_max);
+            slot.best = Best::none(slot.ray.ray.t_max);
             return Some(1);
         }
         None
     }
 
-    /// Prepares the ray with that number, or answers it, if it cannot be traced. Of rays of which all is asked for that
-    /// they cross, most meet nothing, not even the root.
+    /// Prepares the ray with that number, or answers it, if it cannot be traced. Returns whether it can. Of rays of
+    /// which all is asked for that they cross, most meet nothing, not even the root.
     #[inline(always)]
     fn prepare<Q: Query, const INSTANCES: bool>(
         &self,
         number: usize,
         answers: &mut [Q::Answer],
         slot: &mut Slot,
-    ) -> Option<Ray> {
-        let ray = self.rays.ray(number);
+    ) -> bool {
+        let copy;
+        let ray = match self.rays {
+            Rays::Rows(rows) => &rows[number],
+            Rays::Columns(_) => {
+                copy = self.rays.ray(number);
+                &copy
+            }
+        };
         if !ray.is_valid() {
             answers[number] = Q::answer(Hit::MISS);
-            return None;
+            return false;
         }
-        if Q::ALL && !SlabRay::new(&ray).meets(&ray, &self.root.bounds) {
-            return None;
+        if Q::ALL && !SlabRay::new(ray).meets(ray, &self.root.bounds) {
+            return false;
         }
         slot.number = number as u32;
         if INSTANCES {
-            (slot.ray, slot.instance) = (self.searched.prepare(&ray), NO_INSTANCE);
+            (slot.ray, slot.instance) = (self.searched.prepare(ray), NO_INSTANCE);
         } else {
-            slot.ray = PreparedRay::new(&ray);
+            slot.ray = PreparedRay::new(ray);
         }
-        Some(ray)
+        true
     }
 }

@@ -24,7 +24,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
-use glam::{BVec3A, Vec3, Vec3A, Vec3Swizzles};
+use glam::{Vec3, Vec3A};
 
 use super::UNDERFLOW;
 use super::settle::{self, Settled};
@@ -45,8 +45,8 @@ pub struct LaneHits {
     pub open: u32,
 }
 
-/// The permutation of axes for each longest axis, which becomes last.
-pub(crate) const ORDERS: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+/// The permutation of axes for each longest axis, which becomes last, and a fourth number, unused.
+pub(crate) const ORDERS: [[u8; 4]; 3] = [[1, 2, 0, 0], [2, 0, 1, 0], [0, 1, 2, 0]];
 
 /// The axis along which `direction` is longest, the first of equals. Without a branch, which rays
 /// of different directions would mispredict.
@@ -61,9 +61,8 @@ fn longest(direction: Vec3A) -> usize {
 /// axis of the direction.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShearedSpace {
-    longest: usize,
-    /// Permuted so that the longest axis is last.
-    origin: [f32; 3],
+    /// The axes, the longest last.
+    order: [u8; 4],
     /// The shear of x and y along the direction, and the reciprocal of its z.
     shear: [f32; 3],
 }
@@ -72,31 +71,46 @@ impl ShearedSpace {
     /// The space of `ray`.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
-        let longest = longest(direction);
-        let along = |axis| BVec3A::splat(longest == axis);
-        let (along_x, along_y) = (along(0), along(1));
-        let turned = |v: Vec3A| Vec3A::select(along_x, v.yzx(), Vec3A::select(along_y, v.zxy(), v));
-        let direction = turned(direction);
-        let shear = direction.with_z(1.0) / Vec3A::splat(direction.z);
-        Self { longest, origin: turned(origin).to_array(), shear: shear.to_array() }
+        let order = ORDERS[longest(Vec3A::from(ray.direction))];
+        let [_, direction] = halves(ray);
+        let [x, y, z] = [0, 1, 2].map(|k: usize| direction[axis(order[k])]);
+        let shear = Vec3A::new(x, y, 1.0) / Vec3A::splat(z);
+        Self { order, shear: shear.to_array() }
     }
 
-    /// x and y of vertices in this space, and their distance along its z. Each row of `positions`
-    /// is an axis.
+    /// x and y of the vertices in `rows`, an axis each from the `first` on, in the space of `ray`, and their
+    /// distance along its z.
     #[inline(always)]
-    fn shear<S: Lanes>(&self, simd: S, positions: &[[f32; 8]; 3]) -> [f32x8<S>; 3] {
-        // An index instead of a match, which rays of different directions would mispredict. The
-        // minimum avoids the bounds check.
-        let [x, y, z] = ORDERS[self.longest.min(2)];
-        let x: f32x8<S> = positions[x.min(2)].simd_into(simd);
-        let y: f32x8<S> = positions[y.min(2)].simd_into(simd);
-        let z: f32x8<S> = positions[z.min(2)].simd_into(simd);
-        let [ox, oy, oz] = self.origin;
-        let z = z - oz;
+    fn shear<S: Lanes, const ROWS: usize>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        rows: &[[f32; 8]; ROWS],
+        first: usize,
+    ) -> [f32x8<S>; 3] {
+        let [origin, _] = halves(ray);
+        let from_origin = |k: usize| {
+            let axis = axis(self.order[k]);
+            let row: f32x8<S> = rows[first + axis].simd_into(simd);
+            row - origin[axis]
+        };
+        let (x, y, z) = (from_origin(0), from_origin(1), from_origin(2));
         let along = |k: usize| <f32x8<S> as Single>::splat(simd, -self.shear[k]);
-        [z.mul_add(along(0), x - ox), z.mul_add(along(1), y - oy), z]
+        [z.mul_add(along(0), x), z.mul_add(along(1), y), z]
     }
+}
+
+/// Origin and direction of a ray, with an end of its range each, for axes without a check.
+#[inline(always)]
+fn halves(ray: &Ray) -> &[[f32; 4]; 2] {
+    bytemuck::cast_ref(ray)
+}
+
+/// An axis of [`ORDERS`] as an index: instead of a match, which rays of different directions would
+/// mispredict, and without a check.
+#[inline(always)]
+fn axis(axis: u8) -> usize {
+    usize::from(axis & 3)
 }
 
 /// The unit roundoff.
@@ -113,19 +127,19 @@ fn edge_error([x, y, z]: [f32; 3], extent: f32) -> f32 {
 }
 
 /// The `used` ones, a bit each, of up to eight triangles over eight vertices, for a ray with this
-/// `space` and `range`: its two ends, and the t beyond which hits do not matter. Each row of
-/// `positions` is an axis; each of `corners` packs the vertices of the triangles, four bits each;
-/// all vertices lie within `extent` of the first.
+/// `space` and the t beyond which hits do not matter. Each row of `positions` but the last, which is not
+/// used, is an axis; each of `corners` packs the vertices of the triangles, four bits each; all vertices
+/// lie within `extent` of the first.
 // Arrays of vectors are written out instead of mapped: `map` is not inlined here, and passes
 // vectors through memory.
 #[inline(always)]
 pub fn patch<S: Lanes, P: Arithmetic>(
     simd: S,
-    (space, range): (&ShearedSpace, [f32; 3]),
-    (positions, corners, extent): (&[[f32; 8]; 3], [u32; 3], f32),
+    (ray, space, reach): (&Ray, &ShearedSpace, f32),
+    (positions, corners, extent): (&[[f32; 8]; 4], [u32; 3], f32),
     used: u32,
 ) -> LaneHits {
-    let [x, y, z] = space.shear(simd, positions);
+    let [x, y, z] = space.shear(simd, ray, positions, 0);
     let error = edge_error([x[0], y[0], z[0]], extent);
     let [a, b, c] = lanes_of(simd, corners);
     let x = [simd.permute(x, a), simd.permute(x, b), simd.permute(x, c)];
@@ -133,7 +147,7 @@ pub fn patch<S: Lanes, P: Arithmetic>(
     meet::<S, P>(
         simd,
         space,
-        (range, error),
+        ([ray.t_min, ray.t_max, reach], error),
         (&x, &y),
         #[inline(always)]
         || [simd.permute(z, a), simd.permute(z, b), simd.permute(z, c)],
@@ -141,23 +155,23 @@ pub fn patch<S: Lanes, P: Arithmetic>(
     )
 }
 
-/// As [`patch`], for triangles without shared vertices: each row of `corners` is an axis of a
-/// corner.
+/// As [`patch`], for triangles without shared vertices: the first nine rows of `corners` are an axis of a
+/// corner each.
 #[inline(always)]
 pub fn soup<S: Lanes, P: Arithmetic>(
     simd: S,
-    (space, range): (&ShearedSpace, [f32; 3]),
-    (corners, extent): (&[[[f32; 8]; 3]; 3], f32),
+    (ray, space, reach): (&Ray, &ShearedSpace, f32),
+    (corners, extent): (&[[f32; 8]; 12], f32),
     used: u32,
 ) -> LaneHits {
-    let [ax, ay, az] = space.shear(simd, &corners[0]);
-    let [bx, by, bz] = space.shear(simd, &corners[1]);
-    let [cx, cy, cz] = space.shear(simd, &corners[2]);
+    let [ax, ay, az] = space.shear(simd, ray, corners, 0);
+    let [bx, by, bz] = space.shear(simd, ray, corners, 3);
+    let [cx, cy, cz] = space.shear(simd, ray, corners, 6);
     let error = edge_error([ax[0], ay[0], az[0]], extent);
     meet::<S, P>(
         simd,
         space,
-        (range, error),
+        ([ray.t_min, ray.t_max, reach], error),
         (&[ax, bx, cx], &[ay, by, cy]),
         #[inline(always)]
         || [az, bz, cz],

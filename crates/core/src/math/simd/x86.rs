@@ -46,24 +46,10 @@ fearless_simd::kernel!(
 );
 
 fearless_simd::kernel!(
+    /// Bitonic sort (Batcher 1968), the largest first.
     #[inline(always)]
-    fn entries_avx512(
-        level: Avx512,
-        near: f32x8<Avx512>,
-        children: u32x8<Avx512>,
-    ) -> u64x8<Avx512> {
-        let near: __m256 = near.into();
-        let high = _mm512_slli_epi64::<32>(_mm512_cvtepu32_epi64(_mm256_castps_si256(near)));
-        _mm512_or_si512(high, _mm512_cvtepu32_epi64(children.into())).simd_into(level)
-    }
-);
-
-fearless_simd::kernel!(
-    /// Bitonic sort (Batcher 1968), the largest first, so that lanes outside the mask, which are
-    /// zero, come last.
-    #[inline(always)]
-    fn sort_avx512(level: Avx512, entries: u64x8<Avx512>, mask: u8) -> u64x8<Avx512> {
-        let v = _mm512_maskz_mov_epi64(mask, entries.into());
+    fn sort_avx512(level: Avx512, entries: u64x8<Avx512>) -> u64x8<Avx512> {
+        let v = entries.into();
         // In each step lane i meets lane i ^ x, and the lower lane keeps the larger entry.
         let p = _mm512_shuffle_epi32::<0x4E>(v);
         let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0101_0101, v, p);
@@ -84,21 +70,14 @@ fearless_simd::kernel!(
 fearless_simd::kernel!(
     /// The same for four entries.
     #[inline(always)]
-    fn sort_four_avx512(level: Avx512, entries: u64x8<Avx512>) -> u64x4<Avx512> {
-        let v = _mm512_castsi512_si256(entries.into());
+    fn sort_four_avx512(level: Avx512, entries: u64x4<Avx512>) -> u64x4<Avx512> {
+        let v = entries.into();
         let p = _mm256_shuffle_epi32::<0x4E>(v);
         let v = _mm256_mask_max_epu64(_mm256_min_epu64(v, p), 0b0101, v, p);
         let p = _mm256_permute4x64_epi64::<0x1B>(v);
         let v = _mm256_mask_max_epu64(_mm256_min_epu64(v, p), 0b0011, v, p);
         let p = _mm256_shuffle_epi32::<0x4E>(v);
         _mm256_mask_max_epu64(_mm256_min_epu64(v, p), 0b0101, v, p).simd_into(level)
-    }
-);
-
-fearless_simd::kernel!(
-    #[inline(always)]
-    fn compress_avx512(level: Avx512, entries: u64x8<Avx512>, mask: u8) -> u64x8<Avx512> {
-        _mm512_maskz_compress_epi64(mask, entries.into()).simd_into(level)
     }
 );
 
@@ -119,24 +98,14 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn entries(self, near: f32x8<Self>, children: u32x8<Self>) -> [u64; LANES] {
-        entries_avx512(self, near, children).into()
-    }
-
-    #[inline(always)]
-    fn far_to_near(self, entries: &[u64; LANES], mask: u8, sorted: &mut [u64; LANES]) {
-        let entries = (*entries).simd_into(self);
+    fn far_to_near(self, entries: &[u64; LANES], count: usize, sorted: &mut [u64; LANES]) {
         // More are rare, so this branch is well predicted.
-        if mask.count_ones() <= 4 {
-            let first = compress_avx512(self, entries, mask);
+        if count <= 4 {
+            let first = u64x4::from_slice(self, &entries[..4]);
             sort_four_avx512(self, first).store_slice(&mut sorted[..4]);
         } else {
-            *sorted = sort_avx512(self, entries, mask).into();
+            let all = u64x8::from_slice(self, entries);
+            sort_avx512(self, all).store_slice(sorted);
         }
-    }
-
-    #[inline(always)]
-    fn compress(self, entries: &[u64; LANES], mask: u8, compressed: &mut [u64; LANES]) {
-        *compressed = compress_avx512(self, (*entries).simd_into(self), mask).into();
     }
 }
