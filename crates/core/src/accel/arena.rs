@@ -58,7 +58,7 @@ impl Ref {
         self.0
     }
 
-    /// From the bits of [`Self::bits`] or [`base`].
+    /// From the bits of [`Self::bits`].
     #[inline(always)]
     pub(super) fn from_bits(bits: u32) -> Self {
         Self(bits)
@@ -287,15 +287,9 @@ impl<'a> ArenaView<'a> {
     }
 }
 
-/// The offset from the bits of the children in the node at `place` to those of a [`Ref`].
-#[inline(always)]
-pub(super) fn base(place: Ref) -> u32 {
-    place.0 & !3
-}
-
-/// The `lane`th child of the node at `place`.
+/// The `lane`th child of the node at `place`: the bits of both add up, as a node's kind is 0.
 pub(super) fn child_of(node: &Node, place: Ref, lane: usize) -> Ref {
-    Ref(node.children[lane] + base(place))
+    Ref(node.children[lane] + place.0)
 }
 
 /// Prefetches a cache line, on targets with such an instruction.

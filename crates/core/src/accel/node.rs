@@ -3,7 +3,6 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8, u32x8};
 
-use super::arena::base;
 use super::{Node, Query, Ref, child_of};
 use crate::geometry::PreparedRay;
 use crate::kernels::SlabRay;
@@ -44,11 +43,14 @@ pub(super) fn widened<S: Lanes, F: SimdFloat<S, Element = f32>>(simd: S, far: F,
 
 /// Stack entries of the children met, which come first, in the order of the lanes; and a bit for each lane.
 #[inline(always)]
-pub(super) fn entries<S: Lanes>(
+pub(super) fn entries<S: Lanes, Q: Query>(
+    simd: S,
     (near, met): (f32x8<S>, mask32x8<S>),
     children: u32x8<S>,
 ) -> ([u64; LANES], u8) {
-    let (near, children) = (near.to_bits().compress(met), children.compress(met));
+    // Other queries do not compare distances.
+    let near = if Q::NEAREST { near.to_bits().compress(met) } else { u32x8::splat(simd, 0) };
+    let children = children.compress(met);
     let (low, high) = (children.zip_low(near), children.zip_high(near));
     let entries = bytemuck::cast([<[u32; LANES]>::from(low), <[u32; LANES]>::from(high)]);
     (entries, met.to_bitmask() as u8)
@@ -58,17 +60,18 @@ pub(super) fn entries<S: Lanes>(
 #[inline(always)]
 pub(super) fn places<S: Lanes>(simd: S, node: &Node, place: Ref) -> u32x8<S> {
     let places: u32x8<S> = node.children.simd_into(simd);
-    places + base(place)
+    places + place.bits()
 }
 
-/// Writes the first of the `entries`, one for each bit of `met`, to a stack: the nearest last, or for other queries
-/// than the closest hit the largest. Returns their number.
+/// Writes the first of the `entries`, one for each bit of `met`, to a stack with room for all: the nearest last, or
+/// for other queries than the closest hit the largest. Returns their number.
 #[inline(always)]
 pub(super) fn push<S: Lanes, Q: Query>(
     simd: S,
     (entries, met): (&[u64; LANES], u8),
-    stack: &mut [u64; LANES],
+    stack: &mut [u64],
 ) -> usize {
+    let Some(stack) = stack.first_chunk_mut() else { return 0 };
     let count = met.count_ones() as usize;
     if Q::NEAREST {
         simd.far_to_near(entries, count, stack);
@@ -106,11 +109,8 @@ pub(super) fn enter<S: Lanes, Q: Query>(
         stack[height] = entry(near[second], child_of(node, at, second).bits());
         return (Some(child_of(node, at, first)), height + 1);
     }
-    let (entries, mask) = entries((near, met), places(simd, node, at));
-    let Some(room) = stack.get_mut(height..).and_then(|stack| stack.first_chunk_mut()) else {
-        return (None, height);
-    };
-    let height = height + push::<S, Q>(simd, (&entries, mask), room) - 1;
+    let (entries, mask) = entries::<S, Q>(simd, (near, met), places(simd, node, at));
+    let height = height + push::<S, Q>(simd, (&entries, mask), &mut stack[height..]) - 1;
     (Some(place(stack[height])), height)
 }
 

@@ -200,7 +200,8 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
             let Slot { ray, best, place, .. } = &self.slots[index];
             let node = self.arena(index).node(*place);
             let met = node::children(simd, node, ray, best.high);
-            let (entries, mask) = node::entries(met, node::places(simd, node, *place));
+            let (entries, mask) =
+                node::entries::<S, Q>(simd, met, node::places(simd, node, *place));
             (children[i], masks[i]) = (ChildEntries(entries), mask);
         }
         for i in 0..nodes {
@@ -209,9 +210,7 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
             // With the entry below, which comes next if no child is met.
             let from = last as usize;
             let Some(top) = self.stacks.get_mut(from..from + LANES + 1) else { continue };
-            let Some((_, room)) = top.split_first_chunk_mut::<1>() else { continue };
-            let Some(room) = room.first_chunk_mut() else { continue };
-            let count = node::push::<S, Q>(simd, (&children[i].0, masks[i]), room);
+            let count = node::push::<S, Q>(simd, (&children[i].0, masks[i]), &mut top[1..]);
             let next = place(top[count]);
             self.slots[index].last = (last + count as u32).wrapping_sub(1);
             self.step(index, next);
@@ -373,10 +372,9 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
     /// Goes on outside of an instance.
     #[inline(never)]
     fn leave(&mut self, index: usize) {
+        let inside = self.slots[index];
         // The stack may have lost entries below since.
-        let last = self.slots[index].last;
-        let outside = Slot { last, ..self.outside[index] };
-        let inside = std::mem::replace(&mut self.slots[index], outside);
+        self.slots[index] = Slot { last: inside.last, ..self.outside[index] };
         self.arenas[index] = self.arena;
         let slot = &mut self.slots[index];
         let instance = &self.searched.geometry.instances[inside.instance as usize];

@@ -4,6 +4,8 @@
 //! selects the level at run time. Every level computes the same numbers: lanes add, multiply,
 //! divide and compare like single values, and no operation is fused.
 
+use std::ops::Range;
+
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f64x8, u32x8};
 use serde::Serialize;
@@ -195,16 +197,18 @@ pub trait Lanes: Simd {
         let [one, other, ..] = *entries;
         (sorted[0], sorted[1]) = (one.max(other), one.min(other));
         if count > 2 {
-            insert_others(entries, count, sorted);
+            insert_others(entries, 2..count, sorted);
         }
     }
 }
 
-/// Sorts those behind the first two. In a function of its own, which leaves the registers to the usual case.
+/// Adds these `others` of the `entries` to those before, which are `sorted`. In a function of its own, which leaves
+/// the registers to the usual case.
 #[cold]
 #[inline(never)]
-fn insert_others(entries: &[u64; LANES], count: usize, sorted: &mut [u64; LANES]) {
-    for (mut place, &new) in entries.iter().enumerate().take(count).skip(2) {
+fn insert_others(entries: &[u64; LANES], others: Range<usize>, sorted: &mut [u64; LANES]) {
+    for mut place in others {
+        let new = entries[place];
         while place > 0 && sorted[place - 1] < new {
             sorted[place] = sorted[place - 1];
             place -= 1;

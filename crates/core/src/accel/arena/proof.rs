@@ -4,9 +4,7 @@ use std::collections::VecDeque;
 
 use bytemuck::Pod;
 
-use super::{
-    Kind, LeafHead, NODE_UNITS, Node, Patch, Ref, Soup, TreeContents, Unit, base, list_units,
-};
+use super::{Kind, LeafHead, NODE_UNITS, Node, Patch, Ref, Soup, TreeContents, Unit, list_units};
 use crate::counters::each;
 use wavecrest_base::parallel;
 
@@ -77,7 +75,7 @@ impl Proof<'_> {
                     if (relative >> 2) < NODE_UNITS as u32 {
                         return None;
                     }
-                    hand_on((Ref(relative.checked_add(base(place))?), depth + 1));
+                    hand_on((Ref(relative.checked_add(place.0)?), depth + 1));
                 }
                 // No ray meets the other lanes, but even if one did it would stay within the arena.
                 unused.iter().all(|&child| child == 0).then_some(())?;

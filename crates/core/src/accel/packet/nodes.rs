@@ -21,7 +21,7 @@ pub(super) fn visit<S: Lanes, Q: Query>(
     let of = arena.node(place);
     let MetChildren { near, some, all } = tile.beam.children(simd, of);
     let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
-    let (entries, some) = node::entries((near, some), lanes);
+    let (entries, some) = node::entries::<S, Q>(simd, (near, some), lanes);
     let mut met = [0; LANES];
     let count = node::push::<S, Q>(simd, (&entries, some), &mut met);
     let all = all.to_bitmask();

@@ -1,8 +1,8 @@
 //! Operations with their own instructions on x86-64.
 
-use super::{LANES, Lanes};
+use super::{LANES, Lanes, insert_others};
 use fearless_simd::prelude::*;
-use fearless_simd::{Avx2, Avx512, Sse2, f32x8, f64x8, u32x8, u64x4, u64x8};
+use fearless_simd::{Avx2, Avx512, Sse2, f32x8, f64x8, u32x8, u64x4};
 #[cfg(target_arch = "x86")]
 use std::arch::x86::*;
 #[cfg(target_arch = "x86_64")]
@@ -48,28 +48,6 @@ fearless_simd::kernel!(
 fearless_simd::kernel!(
     /// Bitonic sort (Batcher 1968), the largest first.
     #[inline(always)]
-    fn sort_avx512(level: Avx512, entries: u64x8<Avx512>) -> u64x8<Avx512> {
-        let v = entries.into();
-        // In each step lane i meets lane i ^ x, and the lower lane keeps the larger entry.
-        let p = _mm512_shuffle_epi32::<0x4E>(v);
-        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0101_0101, v, p);
-        let p = _mm512_permutex_epi64::<0x1B>(v);
-        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0011_0011, v, p);
-        let p = _mm512_shuffle_epi32::<0x4E>(v);
-        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0101_0101, v, p);
-        let p = _mm512_permutexvar_epi64(_mm512_set_epi64(0, 1, 2, 3, 4, 5, 6, 7), v);
-        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0000_1111, v, p);
-        let p = _mm512_permutex_epi64::<0x4E>(v);
-        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0011_0011, v, p);
-        let p = _mm512_shuffle_epi32::<0x4E>(v);
-        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0101_0101, v, p);
-        v.simd_into(level)
-    }
-);
-
-fearless_simd::kernel!(
-    /// The same for four entries.
-    #[inline(always)]
     fn sort_four_avx512(level: Avx512, entries: u64x4<Avx512>) -> u64x4<Avx512> {
         let v = entries.into();
         let p = _mm256_shuffle_epi32::<0x4E>(v);
@@ -99,13 +77,10 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn far_to_near(self, entries: &[u64; LANES], count: usize, sorted: &mut [u64; LANES]) {
-        // More are rare, so this branch is well predicted.
-        if count <= 4 {
-            let first = u64x4::from_slice(self, &entries[..4]);
-            sort_four_avx512(self, first).store_slice(&mut sorted[..4]);
-        } else {
-            let all = u64x8::from_slice(self, entries);
-            sort_avx512(self, all).store_slice(sorted);
+        let first = u64x4::from_slice(self, &entries[..4]);
+        sort_four_avx512(self, first).store_slice(&mut sorted[..4]);
+        if count > 4 {
+            insert_others(entries, 4..count, sorted);
         }
     }
 }
