@@ -49,11 +49,8 @@ pub(super) fn entries<S: Lanes, Q: Query>(
     children: u32x8<S>,
 ) -> ([u64; LANES], u8) {
     // Other queries do not compare distances.
-    let near = if Q::NEAREST { near.to_bits().compress(met) } else { u32x8::splat(simd, 0) };
-    let children = children.compress(met);
-    let (low, high) = (children.zip_low(near), children.zip_high(near));
-    let entries = bytemuck::cast([<[u32; LANES]>::from(low), <[u32; LANES]>::from(high)]);
-    (entries, met.to_bitmask() as u8)
+    let near = if Q::NEAREST { near } else { f32x8::splat(simd, 0.0) };
+    (simd.entries(near, children, met), met.to_bitmask() as u8)
 }
 
 /// The places of the children of the node at `place`.

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8, f64x8, u32x8};
+use fearless_simd::{Simd, f32x8, f64x8, mask32x8, u32x8};
 use serde::Serialize;
 
 use super::real::Single;
@@ -186,6 +186,19 @@ pub trait Lanes: Simd {
     fn narrow(self, values: f64x8<Self>) -> f32x8<Self> {
         let (low, high) = values.split();
         low.narrow(high)
+    }
+
+    /// Stack entries ([`entry`]) of the lanes in `mask`, which come first, and zeros.
+    #[inline(always)]
+    fn entries(
+        self,
+        near: f32x8<Self>,
+        children: u32x8<Self>,
+        mask: mask32x8<Self>,
+    ) -> [u64; LANES] {
+        let (near, children) = (near.to_bits().compress(mask), children.compress(mask));
+        let (low, high) = (children.zip_low(near), children.zip_high(near));
+        bytemuck::cast([<[u32; LANES]>::from(low), <[u32; LANES]>::from(high)])
     }
 
     /// Writes the first `count` of the `entries` ([`entry`]), behind which all are zero, to `sorted`: the nearest

@@ -2,7 +2,7 @@
 
 use super::{LANES, Lanes, insert_others};
 use fearless_simd::prelude::*;
-use fearless_simd::{Avx2, Avx512, Sse2, f32x8, f64x8, u32x8, u64x4};
+use fearless_simd::{Avx2, Avx512, Sse2, f32x8, f64x8, mask32x8, u32x8, u64x4, u64x8};
 #[cfg(target_arch = "x86")]
 use std::arch::x86::*;
 #[cfg(target_arch = "x86_64")]
@@ -46,6 +46,21 @@ fearless_simd::kernel!(
 );
 
 fearless_simd::kernel!(
+    #[inline(always)]
+    fn entries_avx512(
+        level: Avx512,
+        near: f32x8<Avx512>,
+        children: u32x8<Avx512>,
+        mask: u8,
+    ) -> u64x8<Avx512> {
+        let near: __m256 = near.into();
+        let high = _mm512_slli_epi64::<32>(_mm512_cvtepu32_epi64(_mm256_castps_si256(near)));
+        let all = _mm512_or_si512(high, _mm512_cvtepu32_epi64(children.into()));
+        _mm512_maskz_compress_epi64(mask, all).simd_into(level)
+    }
+);
+
+fearless_simd::kernel!(
     /// Bitonic sort (Batcher 1968), the largest first.
     #[inline(always)]
     fn sort_four_avx512(level: Avx512, entries: u64x4<Avx512>) -> u64x4<Avx512> {
@@ -73,6 +88,16 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn permute(self, values: f32x8<Self>, indices: u32x8<Self>) -> f32x8<Self> {
         permute_avx512(self, values, indices)
+    }
+
+    #[inline(always)]
+    fn entries(
+        self,
+        near: f32x8<Self>,
+        children: u32x8<Self>,
+        mask: mask32x8<Self>,
+    ) -> [u64; LANES] {
+        entries_avx512(self, near, children, mask.to_bitmask() as u8).into()
     }
 
     #[inline(always)]
