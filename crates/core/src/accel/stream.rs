@@ -50,11 +50,6 @@ const _: () = assert!(size_of::<Slot>() == 128);
 /// The number of no instance.
 const NO_INSTANCE: u32 = u32::MAX;
 
-/// Stack entries of the children of a node.
-#[derive(Clone, Copy, Debug, Zeroable)]
-#[repr(align(64))]
-struct ChildEntries([u64; LANES]);
-
 /// The bottom of a stack, which ends a ray, or its search in an instance. No list starts at unit 1: the
 /// root is at unit 0, and is either everything or a node of two units.
 const BOTTOM: u32 = 1 << 2 | Kind::List as u32;
@@ -75,10 +70,12 @@ pub(super) struct Flight {
 
 /// The memory of a round.
 #[derive(Clone, Copy, Debug, Zeroable)]
+#[repr(C, align(64))]
 struct RoundMemory {
-    next: NextSteps,
     /// For each step to a node entries of the children met, and a bit for each that is met.
-    met: ([ChildEntries; FLIGHT], [u8; FLIGHT]),
+    entries: [[u64; LANES]; FLIGHT],
+    met: [u8; FLIGHT],
+    next: NextSteps,
     /// What is found in patches, by slots.
     found: [(u32, LaneHits); FLIGHT],
 }
@@ -113,7 +110,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const INSTANCES: bool>(
         return;
     };
     // There are no steps left from the call before.
-    let RoundMemory { next, met, found } = round;
+    let RoundMemory { entries, met, next, found } = round;
     // Only references and no array, so that everything stays in registers.
     let mut rounds = FlightRounds::<Q, P, INSTANCES> {
         searched,
@@ -138,7 +135,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const INSTANCES: bool>(
     // The inner loops are short, so that the processor overlaps many rays.
     while rounds.next.count() > 0 {
         kernel.rays_a_round.add(rounds.next.count() as u64, 1);
-        rounds.visit_nodes(simd, met);
+        rounds.visit_nodes(simd, (entries, met));
         rounds.visit_patches(simd, found);
         rounds.visit_others(simd, Kind::Soup);
         rounds.visit_others(simd, Kind::List);
@@ -191,7 +188,7 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
     fn visit_nodes<S: Lanes>(
         &mut self,
         simd: S,
-        (children, masks): &mut ([ChildEntries; FLIGHT], [u8; FLIGHT]),
+        (entries, met): (&mut [[u64; LANES]; FLIGHT], &mut [u8; FLIGHT]),
     ) {
         let nodes = self.next.take(Kind::Node);
         self.tests.nodes += nodes as u64;
@@ -199,10 +196,9 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
             let index = self.next.get(Kind::Node, i);
             let Slot { ray, best, place, .. } = &self.slots[index];
             let node = self.arena(index).node(*place);
-            let met = node::children(simd, node, ray, best.high);
-            let (entries, mask) =
-                node::entries::<S, Q>(simd, met, node::places(simd, node, *place));
-            (children[i], masks[i]) = (ChildEntries(entries), mask);
+            let children = node::children(simd, node, ray, best.high);
+            let places = node::places(simd, node, *place);
+            (entries[i], met[i]) = node::entries::<S, Q>(simd, children, places);
         }
         for i in 0..nodes {
             let index = self.next.get(Kind::Node, i);
@@ -210,7 +206,7 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
             // With the entry below, which comes next if no child is met.
             let from = last as usize;
             let Some(top) = self.stacks.get_mut(from..from + LANES + 1) else { continue };
-            let count = node::push::<S, Q>(simd, (&children[i].0, masks[i]), &mut top[1..]);
+            let count = node::push::<S, Q>(simd, (&entries[i], met[i]), &mut top[1..]);
             let next = place(top[count]);
             self.slots[index].last = (last + count as u32).wrapping_sub(1);
             self.step(index, next);

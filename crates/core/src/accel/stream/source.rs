@@ -113,14 +113,7 @@ impl RaySource<'_> {
         answers: &mut [Q::Answer],
         slot: &mut Slot,
     ) -> bool {
-        let copy;
-        let ray = match self.rays {
-            Rays::Rows(rows) => &rows[number],
-            Rays::Columns(_) => {
-                copy = self.rays.ray(number);
-                &copy
-            }
-        };
+        let ray = &self.rays.ray(number);
         if !ray.is_valid() {
             answers[number] = Q::answer(Hit::MISS);
             return false;
