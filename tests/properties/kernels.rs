@@ -140,6 +140,18 @@ pub(crate) fn compare(name: &str, geometry: &Geometry, rays: &[Ray]) -> usize {
     expected.0.iter().filter(|hit| !hit.is_miss()).count()
 }
 
+/// All distances of a tile are negative, those of boxes too.
+#[test]
+fn tiles_meet_what_is_before_their_origins() {
+    let geometry = bumpy_sphere(24);
+    let ray = |i: u8| {
+        let origin = Vec3::new(f32::from(i % 8) / 16.0, f32::from(i / 8) / 16.0, 5.0);
+        Ray { t_min: -10.0, t_max: -1.0, ..Ray::new(origin, Vec3::new(0.1, 0.1, 1.0)) }
+    };
+    let rays: Vec<Ray> = (0..64).map(ray).collect();
+    assert_eq!(compare("before the origin", &geometry, &rays), rays.len());
+}
+
 /// The bound on the t of a large triangle is beyond the small ones behind it, for whose nodes single
 /// rays leave the tile: they are no closer.
 #[test]

@@ -77,28 +77,19 @@ pub(super) fn test<S: Lanes, P: Arithmetic>(
     reach: f32,
     tests: &mut TestCounts,
 ) -> LaneHits {
+    let &LeafHead { count, quads, extent, .. } = arena.head(place);
+    tests.primitives.count_triangles(count, quads, 1);
+    let used = first_lanes(count);
     if P::IS_REFERENCE {
-        let open = begin(arena.head(place), tests);
-        return LaneHits { open, ..LaneHits::default() };
+        return LaneHits { open: used, ..LaneHits::default() };
     }
     let ray = (ray, space, reach);
     if place.kind() == Kind::Soup {
-        let soup = arena.soup(place);
-        let used = begin(&soup.head, tests);
-        let corners = (bytemuck::cast_ref(soup), soup.head.extent);
-        return filter::soup::<S, P>(simd, ray, corners, used);
+        let corners = bytemuck::cast_ref(arena.soup(place));
+        return filter::soup::<S, P>(simd, ray, (corners, extent), used);
     }
     let patch = arena.patch(place);
-    let used = begin(&patch.head, tests);
-    let vertices = (bytemuck::cast_ref(patch), patch.corners, patch.head.extent);
-    filter::patch::<S, P>(simd, ray, vertices, used)
-}
-
-/// Counts the triangles of a leaf, and returns a mask of them.
-#[inline(always)]
-fn begin(&LeafHead { count, quads, .. }: &LeafHead, tests: &mut TestCounts) -> u32 {
-    tests.primitives.count_triangles(count, quads, 1);
-    first_lanes(count)
+    filter::patch::<S, P>(simd, ray, (bytemuck::cast_ref(patch), patch.corners, extent), used)
 }
 
 /// A mask of the first `count` lanes.

@@ -9,7 +9,7 @@ use crate::kernels::SlabRay;
 use crate::kernels::slab::WIDENING;
 use crate::math::{LANES, Lanes, entry};
 
-/// The entry distances of the children's boxes, and the children met up to `t_max`.
+/// The entry distances of the children's boxes, and the children met from the ray's `t_min` up to `t_max`.
 #[inline(always)]
 pub(super) fn children<S: Lanes>(
     simd: S,
@@ -48,8 +48,8 @@ pub(super) fn entries<S: Lanes, Q: Query>(
     (near, met): (f32x8<S>, mask32x8<S>),
     children: u32x8<S>,
 ) -> ([u64; LANES], u8) {
-    // Other queries do not compare distances.
-    let near = if Q::NEAREST { near } else { f32x8::splat(simd, 0.0) };
+    // Other queries drop nothing by its distance.
+    let near = if Q::NEAREST { near } else { f32x8::splat(simd, f32::NEG_INFINITY) };
     (simd.entries(near, children, met), met.to_bitmask() as u8)
 }
 
@@ -60,7 +60,7 @@ pub(super) fn places<S: Lanes>(simd: S, node: &Node, place: Ref) -> u32x8<S> {
     places + place.bits()
 }
 
-/// Writes the first of the `entries`, one for each bit of `met`, to a stack with room for all: the nearest last, or
+/// Writes the first of the `entries`, one for each bit of `met`, to a stack with room for eight: the nearest last, or
 /// for other queries than the closest hit the largest. Returns their number.
 #[inline(always)]
 pub(super) fn push<S: Lanes, Q: Query>(

@@ -60,7 +60,7 @@ const TRIAL: usize = 2;
 /// A place that rays of the tile still have to visit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Visit {
-    /// As on the stack of a ray, with the least distance of all rays.
+    /// As on the stack of a ray, for closest hits with the least distance of all rays.
     entry: u64,
     rays: u64,
 }

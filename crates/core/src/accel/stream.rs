@@ -39,7 +39,7 @@ pub(super) struct Slot {
     number: u32,
     /// The instance in which it is searched, or [`NO_INSTANCE`].
     instance: u32,
-    /// The last entry of its stack among those of all.
+    /// The last entry of its stack among those of all; the one before the bottom, if that is taken.
     last: u32,
     /// The next place.
     place: Ref,
@@ -213,7 +213,8 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
         }
     }
 
-    /// Takes the steps to patches, if there are enough: first tests the triangles, then takes what is found.
+    /// Takes the steps to patches, if there are enough: first tests the triangles, then takes
+    /// what is found; rays that meet nothing go on at once.
     #[inline(always)]
     fn visit_patches<S: Lanes>(&mut self, simd: S, found: &mut [(u32, LaneHits); FLIGHT]) {
         let patches = self.next.take_enough(Kind::Patch);
@@ -382,7 +383,7 @@ impl<'a, Q: Query, P: Arithmetic, const INSTANCES: bool> FlightRounds<'a, '_, Q,
     }
 }
 
-/// Removes the entries from `bottom` to `last` that are farther than `reach`, which the first is not. Returns
+/// Removes the entries from `bottom` to `last` that are farther than `reach`, but not the bottom. Returns
 /// the last that is left.
 #[inline(always)]
 fn clear(stacks: &mut [u64], bottom: usize, last: usize, reach: f32) -> usize {

@@ -86,7 +86,6 @@ pub struct SlabRay {
 
 /// The reciprocal of the opposite direction, and the origins for entry and exit planes, for boxes that are off by
 /// `factor` times [`PADDING`], or if a component of the direction is zero or its reciprocal no normal number.
-#[cold]
 #[inline(never)]
 fn moved(ray: &Ray, factor: f32, opposite: Vec3A) -> [Vec3A; 3] {
     let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
@@ -112,15 +111,10 @@ fn moved(ray: &Ray, factor: f32, opposite: Vec3A) -> [Vec3A; 3] {
 
 /// The places of entry planes by the signs of the direction, a bit for each negative component: see
 /// [`SlabRay::entry`]. A byte for each axis.
-const ENTRIES: [u32; 8] = {
-    let mut entries = [0x0020_1000; 8];
-    let mut signs = 0;
-    while signs < 24 {
-        entries[signs / 3] += ((((signs / 3) >> (signs % 3)) & 1) as u32) << (8 * (signs % 3) + 3);
-        signs += 1;
-    }
-    entries
-};
+#[rustfmt::skip]
+const ENTRIES: [u32; 8] = [
+    0x20_10_00, 0x20_10_08, 0x20_18_00, 0x20_18_08, 0x28_10_00, 0x28_10_08, 0x28_18_00, 0x28_18_08,
+];
 
 /// See [`SlabRay::slack`], for a ray whose range begins at `t_min`.
 #[inline(always)]

@@ -1,8 +1,8 @@
 //! SIMD levels, and the few lane operations that `fearless_simd` lacks.
 //!
 //! Kernels are generic over [`Lanes`] and compiled once for each level; the processor or the user
-//! selects the level at run time. Every level computes the same numbers: lanes add, multiply,
-//! divide and compare like single values, and no operation is fused.
+//! selects the level at run time. Every level finds the same answers: lanes add, multiply, divide and
+//! compare like single values, and only numbers with a bound are found by fused operations.
 
 use std::ops::Range;
 

@@ -5,7 +5,8 @@ use fearless_simd::{f32x16, u32x8};
 
 use super::beam::MetChildren;
 use super::{GROUPS, RayTile, TileColumn, Visit, WIDTH, load};
-use crate::accel::{ArenaView, Node, Query, Ref, child_of, distance, node, widened};
+use crate::accel::node::{entries, push};
+use crate::accel::{ArenaView, Node, Query, Ref, child_of, distance, widened};
 use crate::math::{LANES, Lanes, entry};
 
 /// Queues the children of the node at `place` that `rays` of the tile meet: the nearest last, or for
@@ -18,23 +19,23 @@ pub(super) fn visit<S: Lanes, Q: Query>(
     place: Ref,
     rays: u64,
 ) {
-    let of = arena.node(place);
-    let MetChildren { near, some, all } = tile.beam.children(simd, of);
+    let node = arena.node(place);
+    let MetChildren { near, some, all } = tile.beam.children(simd, node);
     let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
-    let (entries, some) = node::entries::<S, Q>(simd, (near, some), lanes);
+    let (met_entries, some) = entries::<S, Q>(simd, (near, some), lanes);
     let mut met = [0; LANES];
-    let count = node::push::<S, Q>(simd, (&entries, some), &mut met);
+    let count = push::<S, Q>(simd, (&met_entries, some), &mut met);
     let all = all.to_bitmask();
     for &child in &met[..count % (LANES + 1)] {
         let lane = child as usize & (LANES - 1);
         let rays = if all >> lane & 1 == 1 {
             rays
         } else if tile.beam.has_one_origin {
-            rays_in::<S, true>(simd, tile, of, lane, rays)
+            rays_in::<S, true>(simd, tile, node, lane, rays)
         } else {
-            rays_in::<S, false>(simd, tile, of, lane, rays)
+            rays_in::<S, false>(simd, tile, node, lane, rays)
         };
-        let at = child_of(of, place, lane);
+        let at = child_of(node, place, lane);
         let is_met = rays != 0;
         arena.prefetch(if is_met { at } else { place });
         tile.push(is_met, Visit { entry: entry(distance(child), at.bits()), rays });
