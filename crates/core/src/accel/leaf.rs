@@ -77,19 +77,28 @@ pub(super) fn test<S: Lanes, P: Arithmetic>(
     reach: f32,
     tests: &mut TestCounts,
 ) -> LaneHits {
-    let &LeafHead { count, quads, extent, .. } = arena.head(place);
-    tests.primitives.count_triangles(count, quads, 1);
-    let used = first_lanes(count);
     if P::IS_REFERENCE {
-        return LaneHits { open: used, ..LaneHits::default() };
+        let open = begin(arena.head(place), tests);
+        return LaneHits { open, ..LaneHits::default() };
     }
     let ray = (ray, space, reach);
     if place.kind() == Kind::Soup {
-        let corners = bytemuck::cast_ref(arena.soup(place));
-        return filter::soup::<S, P>(simd, ray, (corners, extent), used);
+        let soup = arena.soup(place);
+        let used = begin(&soup.head, tests);
+        let corners = (bytemuck::cast_ref(soup), soup.head.extent);
+        return filter::soup::<S, P>(simd, ray, corners, used);
     }
     let patch = arena.patch(place);
-    filter::patch::<S, P>(simd, ray, (bytemuck::cast_ref(patch), patch.corners, extent), used)
+    let used = begin(&patch.head, tests);
+    let vertices = (bytemuck::cast_ref(patch), patch.corners, patch.head.extent);
+    filter::patch::<S, P>(simd, ray, vertices, used)
+}
+
+/// Counts the triangles of a leaf, and returns a mask of them.
+#[inline(always)]
+fn begin(&LeafHead { count, quads, .. }: &LeafHead, tests: &mut TestCounts) -> u32 {
+    tests.primitives.count_triangles(count, quads, 1);
+    first_lanes(count)
 }
 
 /// A mask of the first `count` lanes.

@@ -45,21 +45,21 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, const WORLD: bool>(
             continue;
         }
         let mut at = place(entry);
-        let leaf = loop {
-            if at.kind() == Kind::Node {
-                tests.nodes += 1;
-                let node = arena.node(at);
-                let met = node::children(simd, node, ray, best.high);
-                let next = node::enter::<S, Q>(simd, (node, at), met, (&mut *stack, height));
-                height = next.1;
-                let Some(child) = next.0 else { continue 'entries };
-                at = child;
-            } else if let Some(root) = searched.chunk(at) {
-                at = root;
-            } else {
-                break at;
-            }
-        };
+        while at.kind() == Kind::Node {
+            tests.nodes += 1;
+            let node = arena.node(at);
+            let met = node::children(simd, node, ray, best.high);
+            let next = node::enter::<S, Q>(simd, (node, at), met, (&mut *stack, height));
+            height = next.1;
+            let Some(child) = next.0 else { continue 'entries };
+            at = child;
+        }
+        if let Some(root) = searched.chunk(at) {
+            stack[height] = crate::math::entry(distance(entry), root.bits());
+            height += 1;
+            continue;
+        }
+        let leaf = at;
         if WORLD && let Some(instance) = searched.instance(leaf) {
             if Q::ALL {
                 continue;
