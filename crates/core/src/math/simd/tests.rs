@@ -33,3 +33,27 @@ fn every_level_sorts_and_permutes() {
         }
     }
 }
+
+#[inline(always)]
+fn entries<S: Lanes>(simd: S, near: [f32; 8], children: [u32; 8], mask: u32) -> [u64; LANES] {
+    let mask = mask32x8::from_bitmask(simd, u64::from(mask));
+    simd.entries(near.simd_into(simd), children.simd_into(simd), mask)
+}
+
+#[test]
+fn entries_of_every_mask_come_first_whatever_their_distance() {
+    let near = [0.0, -0.0, 1.5, f32::NEG_INFINITY, f32::INFINITY, -2.5, f32::MIN_POSITIVE, 1e-40];
+    let children = [9, u32::MAX, 7, 6, 5, 4, 3, 0];
+    for level in Level::available() {
+        let token = level.token().expect("it is available");
+        for mask in 0..256_u32 {
+            let mut expected = [0; LANES];
+            let met = (0..LANES).filter(|lane| mask >> lane & 1 == 1);
+            for (place, lane) in expected.iter_mut().zip(met) {
+                *place = entry(near[lane], children[lane]);
+            }
+            let found = at_level!(token, simd => entries(simd, near, children, mask));
+            assert_eq!(found, expected, "{level:?} {mask:#b}");
+        }
+    }
+}
