@@ -81,7 +81,7 @@ pub(super) fn push<S: Lanes, Q: Query>(
 /// Enters the first of the children met by a ray that is alone, and pushes the others on the stack, which has this
 /// `height`. Returns the child, if any, and the new height.
 ///
-/// With branches for one and two, which are well predicted: the ray's next step does not wait for the stack.
+/// With branches for one and two, so that the ray's next step does not wait for the stack. Mostly it is one.
 #[inline(always)]
 pub(super) fn enter<S: Lanes, Q: Query>(
     simd: S,
