@@ -80,12 +80,15 @@ pub(super) fn signal() -> Option<u8> {
 
 /// The error that the recorded signal ended the work, of which `share` (0 to 1) was finished.
 pub(super) fn error(share: f64) -> Error {
+    // Rounded down: unfinished work is never 100 %.
+    error_at(&format!("{} %", (share * 1000.0).floor() / 10.0))
+}
+
+/// The error that the recorded signal ended the work when so much was finished.
+pub(super) fn error_at(done: &str) -> Error {
     let signal = signal().unwrap_or_default();
     let name = signal_name(signal.into()).unwrap_or("a signal");
-    // Rounded down: unfinished work is never 100 %.
-    let percent = (share * 1000.0).floor() / 10.0;
-    let message = format!("stopped by {name} at {percent} %");
-    Error::new(ErrorKind::Interrupted(signal), message)
+    Error::new(ErrorKind::Interrupted(signal), format!("stopped by {name} at {done}"))
 }
 
 /// The files that the process leaves behind, in words.

@@ -16,13 +16,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use wavecrest_api::components::{CameraPath, View};
 use wavecrest_api::glam::DMat4;
+use wavecrest_api::goal::{Ending, Goal, Job};
 use wavecrest_api::hecs::{Entity, World};
 use wavecrest_api::memory::check_room;
 use wavecrest_api::{self as api, Watch};
-use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, Pace, in_time};
-use wavecrest_report::accuracy::pilot::measured;
-use wavecrest_report::accuracy::pilot::target::reach;
-use wavecrest_report::accuracy::setting::{Axis, Facts};
 
 use super::arrays::Mesh;
 use super::base::{Any, Error, exception, start};
@@ -68,23 +65,14 @@ impl Source {
     }
 }
 
-/// By what the samples of a pixel are chosen.
-enum Goal {
-    /// Those of the scene.
-    Scene,
-    /// At most this error.
-    Error(f64),
-    /// So many seconds from then on.
-    Seconds(f64, Instant),
-}
-
 /// The input and options of a render.
-struct Job {
+struct Task {
     source: Source,
     options: api::LoadOptions,
     precision: api::Precision,
     rendering: api::RenderOptions,
-    goal: Goal,
+    /// By what the samples of a pixel are chosen, unless they are those of the scene.
+    goal: Option<Goal>,
     /// The place and the axes of the camera, instead of its own.
     pose: Option<DMat4>,
     layers: Vec<api::Layer>,
@@ -93,36 +81,33 @@ struct Job {
 /// An image, the channels of its layers, and warnings.
 type Image = (api::Film, Vec<api::Channel>, Vec<api::Warning>);
 
-/// Ends a render on an interrupt, or when it is too slow.
-struct Until<'a>(&'a AtomicBool, Option<&'a Pace<'a>>);
+/// Ends a render on an interrupt.
+struct Until<'a>(&'a AtomicBool);
 
 impl Watch for Until<'_> {
-    fn progress(&self, done: u64, all: u64) {
-        self.1.iter().for_each(|pace| pace.progress(done, all));
-    }
-
     fn cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed) || self.1.is_some_and(Pace::is_late)
+        self.0.load(Ordering::Relaxed)
     }
 }
 
-impl Job {
+impl Task {
     /// The arguments of wavecrest.render.
     fn new(kind: &str, source: &Any<'_>, given: &Options<'_>) -> PyResult<Self> {
         let start = Instant::now();
         let options = given.loading()?;
         let pose = given.get::<[[f64; 4]; 4]>("pose")?;
         let pose = pose.map(|rows| DMat4::from_cols_array_2d(&rows).transpose());
-        let goals = (given.get("target_error")?, given.get("time_budget")?, options.antialias);
-        let goal = match goals {
-            (Some(_), _, Some(_)) => Err("samples: leave it out, or target_error"),
-            (_, Some(_), Some(_)) => Err("samples: leave it out, or time_budget"),
-            (Some(_), Some(_), _) => Err("time_budget: leave it out, or target_error"),
-            (Some(error), ..) => Ok(Goal::Error(error)),
-            (_, Some(seconds), _) => Ok(Goal::Seconds(seconds, start)),
-            _ => Ok(Goal::Scene),
-        };
-        let goal = goal.map_err(Error::new_err)?;
+        let error = given.get("target_error")?;
+        let seconds: Option<f64> = given.get("time_budget")?;
+        for (name, is_given) in
+            [("target_error", error.is_some()), ("time_budget", seconds.is_some())]
+        {
+            if is_given && options.antialias.is_some() {
+                return Err(Error::new_err(format!("samples: leave it out, or {name}")));
+            }
+        }
+        let goal = Goal { error, seconds: seconds.map(|seconds| (seconds, start)) };
+        let goal = Some(goal).filter(|_| error.or(seconds).is_some());
         let layers: Vec<String> = given.get("layers")?.unwrap_or_default();
         let layers = layers.iter().map(|name| input::named("layers", name));
         let mut layers = layers.collect::<PyResult<Vec<_>>>()?;
@@ -150,60 +135,29 @@ impl Job {
         check_room(tree_bytes(extracted.geometry().held()) + film, "the render")?;
         let mut scene = extracted.build(preset);
         loaded.warnings.extend(api::warnings(&scene, &loaded.file));
-        let (rendered, warning) =
-            goal.trace(&mut scene, preset, &rendering, &loaded.file, cancel)?;
-        loaded.warnings.extend(warning);
-        let (seed, invalid) = (rendering.seed, rendered.counters.invalid);
-        let request = api::LayerRequest { layers: &layers, crop: None, seed, invalid };
-        let channels = api::layers(&scene, &request, &Until(cancel, None))?.channels;
+        let until = &Until(cancel);
+        let seed = rendering.seed;
+        let channels = |scene: &api::PreparedScene, invalid| -> api::Result<Vec<api::Channel>> {
+            let request = api::LayerRequest { layers: &layers, crop: None, seed, invalid };
+            Ok(api::layers(scene, &request, until)?.channels)
+        };
+        let rendered = match goal {
+            None => api::render(&scene, &rendering, until)?,
+            Some(goal) => {
+                let ending = |scene: &api::PreparedScene, _: &api::Film| {
+                    let start = Instant::now();
+                    channels(scene, 0)?;
+                    Ok(Ending { fixed: 0.0, each: start.elapsed().as_secs_f64() })
+                };
+                let passes = Goal::passes(&mut scene, rendering, Default::default())?;
+                let job = Job { ending: &ending, ..Job::new(until) };
+                let reached = goal.render(&mut scene, &passes, &job)?;
+                loaded.warnings.extend(goal.unreached(&reached, &loaded.file));
+                reached.rendered
+            }
+        };
+        let channels = channels(&scene, rendered.counters.invalid)?;
         Ok((rendered.film, channels, loaded.warnings))
-    }
-}
-
-impl Goal {
-    /// Renders `scene`, whose tree has `preset`; the warning says that an error is not reached.
-    fn trace(
-        self,
-        scene: &mut api::PreparedScene,
-        mut preset: api::Preset,
-        rendering: &api::RenderOptions,
-        file: &Path,
-        cancel: &AtomicBool,
-    ) -> api::Result<(api::Rendered, Option<api::Warning>)> {
-        let until = Until(cancel, None);
-        match self {
-            Self::Scene => {}
-            Self::Error(target) => {
-                let reached =
-                    reach(scene, Some(&mut preset), target, rendering.seed, &until, |scene, _| {
-                        let rendered = api::render(scene, rendering, &until)?;
-                        let found = measured(scene, &rendered, rendering.seed, &until)?;
-                        Ok((rendered, found))
-                    })?;
-                if let Some(reached) = reached {
-                    let warning = reached.unreached(target, file);
-                    return Ok((reached.rendered, warning));
-                }
-            }
-            Self::Seconds(seconds, start) => {
-                let clock = || start.elapsed().as_secs_f64();
-                let pixels: f64 = scene.camera.size().map(f64::from).iter().product();
-                let budget = Budget::new(&clock, seconds, pixels);
-                let in_flight = (rendering.batch * rayon::current_num_threads()) as f64 / pixels;
-                let overhead = Overhead { measuring: 0.0, in_flight };
-                let (original, axis) = (scene.original(), Axis::of(&Facts::of(scene)));
-                let (choice, rendered, _) = in_time(axis, &budget, overhead, |choice, pace| {
-                    scene.resample(&original, &choice.samples());
-                    let (until, order) = (Until(cancel, Some(pace)), api::Order::Spread);
-                    let rendered = api::render_in_order(scene, rendering, &until, order)?;
-                    let is_finished = rendered.finished;
-                    Ok((rendered, is_finished))
-                })?;
-                scene.resample(&original, &choice.samples());
-                return Ok((rendered, None));
-            }
-        }
-        Ok((api::render(scene, rendering, &until)?, None))
     }
 }
 
@@ -219,7 +173,7 @@ fn place_camera(world: &mut World, pose: DMat4) {
 }
 
 /// Does the job on the number of threads that is given, or else one for each core.
-fn wait_for(py: Python<'_>, job: Job, options: &Options<'_>) -> PyResult<Image> {
+fn wait_for(py: Python<'_>, job: Task, options: &Options<'_>) -> PyResult<Image> {
     let pool = start(options.get("threads")?.unwrap_or(0))?;
     let cancel = Arc::new(AtomicBool::new(false));
     let (sender, mut image) = channel();
@@ -251,7 +205,7 @@ pub(crate) fn render<'py>(
     options: Bound<'py, PyDict>,
 ) -> PyResult<Arrays<'py>> {
     let options = Options(options);
-    let job = Job::new(kind, source, &options)?;
+    let job = Task::new(kind, source, &options)?;
     let layers = job.layers.clone();
     let (film, channels, warnings) = wait_for(py, job, &options)?;
     let size = [film.height(), film.width()].map(|side| side as usize);

@@ -193,25 +193,21 @@ class Wavecrest(unittest.TestCase):
         path, out = self.folder / "soft.json", self.folder / "out.pfm"
         path.write_text(json.dumps(SOFT))
         command = ["wavecrest", "-q", path, out, "--target-error", "0.005", "--seed", "3"]
-        # The sampler is the fastest that reaches the error, as far as a busy machine shows it.
-        for _ in range(5):
-            subprocess.run(command, check=True)
-            image, layers = wavecrest.render(path, target_error=0.005, seed=3, layers=["samples", "depth"])
-            if np.array_equal(image, read_pfm(out)):
-                break
+        subprocess.run(command, check=True)
+        image, layers = wavecrest.render(path, target_error=0.005, seed=3, layers=["samples", "depth"])
         np.testing.assert_array_equal(image, read_pfm(out))
-        self.assertTrue((layers["samples"] == 1).all(), "of rays in a pixel")
+        self.assertTrue((layers["samples"] >= 4).all(), "of rays in a pixel")
 
     def test_an_error_is_reached(self):
         fine = json.loads(json.dumps(SOFT))
-        fine["scene"]["lightsources"][0].update(samples=4096, sampling="sobol")
+        fine["camera"].update(antialias=40, sampling="sobol")
         reference = wavecrest.render(fine, seed=7)
         coarse, better = (rmse(wavecrest.render(SOFT, target_error=e), reference) for e in (0.05, 0.005))
         self.assertTrue(better < coarse / 2 and better < 0.005, (coarse, better))
 
     def test_a_time_is_kept(self):
         fine = json.loads(json.dumps(SOFT))
-        fine["scene"]["lightsources"][0].update(samples=4096, sampling="sobol")
+        fine["camera"].update(antialias=40, sampling="sobol")
         reference = wavecrest.render(fine, seed=7)
         start = time.perf_counter()
         image = wavecrest.render(SOFT, time_budget=1, threads=1)
@@ -263,7 +259,6 @@ class Wavecrest(unittest.TestCase):
         self.assert_refused("samples: must be a whole number from 1 to 4096, found 0", SCENE, samples=0)
         self.assert_refused("samples: leave it out, or target_error", SCENE, samples=4, target_error=0.01)
         self.assert_refused("samples: leave it out, or time_budget", SCENE, samples=4, time_budget=1)
-        self.assert_refused("time_budget: leave it out, or target_error", SCENE, time_budget=1, target_error=0.01)
         self.assert_refused("time_budget: must be a finite number above 0, found -1", SCENE, time_budget=-1)
         self.assert_refused("fit: write a share of the image", VERTICES, FACES, fit=2)
         self.assert_refused('found "400,2"', VERTICES, FACES, view=(400, 2))

@@ -44,10 +44,9 @@ def render(
     shape (height, width), shading normals, shape (height, width, 3), numbers of shapes from 1, and others as in the
     guide. Depth and object are 0 where there is nothing. A transparent background adds the layer "alpha".
 
-    target_error chooses sampler and samples, instead of those of the scene, for an image with at most this error (RMSE
-    of linear values). It is measured, without what one ray through the centre of each pixel misses at edges where
-    points on lights or the lens are chosen; a warning says if it cannot be reached. time_budget renders with as many
-    samples as fit into so many seconds, with reading and building, and with one where not even that fits.
+    With target_error, time_budget or both, rays are the first points of a Sobol sequence, instead of those of the scene:
+    until the error of the image, measured from its halves, is at most target_error (RMSE of linear values); a warning
+    says if it is not reached. Or as many as fit into time_budget seconds, with reading and building, and one in any case.
 
     Values are linear red, green and blue; 8-bit formats store 0 to 1. The number of threads does not change them.
 

@@ -65,11 +65,11 @@ pub(crate) struct RenderArgs {
     /// invalid, all (these), or alpha (colours then count as premultiplied)
     #[arg(long, help_heading = IMAGE, value_name = "LAYERS", value_parser = layers)]
     pub(crate) aov: Option<LayerList>,
-    /// Choose sampler and sample count to reach this error (RMSE of linear values)
-    #[arg(long, help_heading = IMAGE, value_name = "ERROR", value_parser = above_zero, conflicts_with_all = ["crop", "time_budget", "samples"])]
+    /// Take Sobol samples until the error is at most this (RMSE of linear values)
+    #[arg(long, help_heading = IMAGE, value_name = "ERROR", value_parser = above_zero, conflicts_with = "samples")]
     pub(crate) target_error: Option<f64>,
-    /// Choose sampler and sample count to finish within this time
-    #[arg(long, help_heading = IMAGE, value_name = "SECONDS", value_parser = above_zero, conflicts_with_all = ["crop", "samples"])]
+    /// Take Sobol samples for so many seconds, with all that the command does; with --target-error, whichever ends first
+    #[arg(long, help_heading = IMAGE, value_name = "SECONDS", value_parser = above_zero, conflicts_with = "samples")]
     pub(crate) time_budget: Option<f64>,
     /// Seed of the random numbers
     #[arg(long, help_heading = IMAGE, value_name = "N", default_value_t = 0, value_parser = whole(0..=u64::MAX))]
@@ -91,7 +91,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, help_heading = LONG, value_name = "SECONDS", value_parser = above_zero)]
     pub(crate) save_every: Option<f64>,
     /// Save finished work to this file at intervals, and when SIGINT or SIGTERM stops the render
-    #[arg(long, help_heading = LONG, value_name = "FILE", conflicts_with_all = ["target_error", "time_budget"])]
+    #[arg(long, help_heading = LONG, value_name = "FILE")]
     pub(crate) checkpoint: Option<PathBuf>,
     /// Interval between checkpoints, in seconds [default: 60]
     #[arg(long, help_heading = LONG, value_name = "SECONDS", requires = "checkpoint", value_parser = above_zero)]

@@ -4,56 +4,66 @@
 use super::args::RenderArgs;
 use super::outputs::Outputs;
 use super::show::{Show, warn};
-use crate::common::{command_words, tell};
+use crate::common::tell;
 use crate::interrupt;
 use crate::progress::Display;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::words::counted;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::{MOST_RAYS, PreparedScene};
 use wavecrest_core::probe::{self, InvalidSample};
 use wavecrest_core::render::Rendered;
-use wavecrest_core::render::units::Order;
-use wavecrest_image::farm::{Author, Session, Shard};
+use wavecrest_image::farm::{Passes, Shard};
 use wavecrest_image::look;
-use wavecrest_report::accuracy::pilot::budget::Pace;
 
-/// Renders the image once, as long as its `pace` is good enough; returns it with the share that a checkpoint held (0 to 1).
+/// Renders the image with the samples of the scene; returns it with the share that a checkpoint held (0 to 1).
 pub(super) fn render_once(
     outputs: &Outputs<'_>,
     progress: &Display,
     scene: &PreparedScene,
-    pace: Option<&Pace<'_>>,
 ) -> Result<(Rendered, f64)> {
-    let (show, args) = (Show::begin(outputs, progress, scene, pace), outputs.args);
+    let (show, args) = (Show::begin(outputs, progress, scene), outputs.args);
     if args.checkpoint.is_some() {
-        let part = begin(outputs, scene, None)?;
-        return Ok((part.render(&show, &warn)?, part.resumed().unwrap_or_default()));
+        let passes = begin(outputs, scene, None)?;
+        let rendered = passes.render(scene, &show, &warn)?;
+        return Ok((rendered, passes.resumed().unwrap_or_default()));
     }
-    // The pace of a part is that of the whole only if it is a fair sample.
-    let order = if pace.is_some() { Order::Spread } else { Order::Rows };
-    Ok((look::render(scene, args.look, &args.options(), &show, order)?, 0.0))
+    Ok((look::render(scene, args.look, &args.options(), &show)?, 0.0))
 }
 
 /// The work on the image, or on a shard of it; says what a checkpoint held.
-pub(super) fn begin<'a>(
+pub(super) fn begin(
     outputs: &Outputs<'_>,
-    scene: &'a PreparedScene,
+    scene: &PreparedScene,
     shard: Option<Shard>,
-) -> Result<Session<'a>> {
+) -> Result<Passes> {
     let args = outputs.args;
-    let (file, transfer) = (args.scene.display().to_string(), outputs.transfer());
-    let author = Author { scene: file, command: command_words(), transfer };
-    let part = Session::begin(scene, args.options(), author, shard, args.checkpoint())?;
+    let (options, author) = (args.options(), outputs.author());
+    let passes = Passes::begin(scene, options, author, shard, (args.checkpoint(), false))?;
+    say_resumed(args, &passes);
+    Ok(passes)
+}
+
+/// Says what a checkpoint held.
+pub(super) fn say_resumed(args: &RenderArgs, passes: &Passes) {
     if let Some(file) = &args.checkpoint
         && args.resume
     {
         let (file, percent) = (file.display(), |share: f64| (share * 1000.0).floor() / 10.0);
-        args.say(&match part.resumed().map(percent) {
-            Some(percent) => format!("resuming from {file}: {percent} % is done"),
+        args.say(&match passes.resumed().map(percent) {
+            Some(percent) => match passes.pass().from {
+                0 => format!("resuming from {file}: {percent} % is done"),
+                _ if passes.is_finished() => format!("resuming from {file}: 100 % is done"),
+                n => {
+                    let rays = counted(n.into(), "ray");
+                    format!(
+                        "resuming from {file}: {rays} per pixel, and {percent} % of the next pass"
+                    )
+                }
+            },
             None => format!("no checkpoint {file} yet: starting from the beginning"),
         });
     }
-    Ok(part)
 }
 
 /// Writes the finished part of an image that a signal ended, unless it would replace an older image; returns the error
@@ -64,7 +74,13 @@ pub(super) fn interrupted(
     rendered: &Rendered,
 ) -> Error {
     let share = share(rendered);
-    let error = interrupt::error(share);
+    // Towards a goal, the image after the last pass is whole.
+    let error = match scene.camera.rays_per_pixel() {
+        samples if share == 1.0 => {
+            interrupt::error_at(&format!("{} per pixel", counted(samples.into(), "ray")))
+        }
+        _ => interrupt::error(share),
+    };
     let written = if share == 0.0 {
         Ok(outputs.untouched())
     } else {
@@ -85,11 +101,10 @@ pub(super) fn share(rendered: &Rendered) -> f64 {
 
 /// How to resume, if possible.
 pub(super) fn go_on(args: &RenderArgs) -> String {
-    let RenderArgs { checkpoint, target_error, time_budget, look, .. } = args;
-    match checkpoint {
+    match &args.checkpoint {
         Some(file) => format!("; resume with --checkpoint {} --resume", file.display()),
-        // These have none.
-        None if target_error.is_some() || time_budget.is_some() || look.is_some() => String::new(),
+        // Looks have none.
+        None if args.look.is_some() => String::new(),
         None => "; use --checkpoint FILE to be able to resume".to_owned(),
     }
 }

@@ -2,16 +2,20 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use std::time::Instant;
 
 use super::args::RenderArgs;
+use crate::common::command_words;
+use wavecrest_api::goal::Ending;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
+use wavecrest_core::tile::Tile;
 use wavecrest_image::animation::Animated;
 use wavecrest_image::aov;
-use wavecrest_image::farm::Identity;
+use wavecrest_image::farm::{Author, Identity};
 use wavecrest_image::metadata::{Entry, Extras};
 use wavecrest_image::write::{Format, Transfer, check_writable, write_with};
 use wavecrest_scene::components::Encoding;
@@ -93,6 +97,45 @@ impl<'a> Outputs<'a> {
         })
     }
 
+    /// The origin of the image.
+    pub(super) fn author(&self) -> Author {
+        let (scene, transfer) = (self.args.scene.display().to_string(), self.transfer());
+        Author { scene, command: command_words(), transfer }
+    }
+
+    /// Measures what [`Outputs::write`] takes for an image, and for a `scene` with one sample: writes a band of `film`
+    /// elsewhere.
+    ///
+    /// # Errors
+    /// If there is no memory for it, or it cannot be written.
+    pub(super) fn rehearse(&self, scene: &PreparedScene, film: &Film) -> Result<Ending> {
+        let (width, height) = (film.width(), film.height());
+        let band = height.div_ceil(BANDS);
+        let times = f64::from(height) / f64::from(band);
+        let start = Instant::now();
+        let layers = &self.args.layers();
+        if !layers.is_empty() {
+            let [x, y] = self.args.crop.map_or([0, 0], |crop| [crop.x, crop.y]);
+            let crop = Some(Tile { x, y: y + (height - band) / 2, width, height: band });
+            let (seed, invalid) = (self.args.seed, 0);
+            aov::layers(scene, &aov::Request { layers, crop, seed, invalid }, &())?;
+        }
+        let each = times * start.elapsed().as_secs_f64();
+        let folder = tempfile::tempdir()
+            .map_err(|error| Error::io("cannot make a folder", std::env::temp_dir(), error))?;
+        let part = film.part([0, (height - band) / 2, width, band])?;
+        let start = Instant::now();
+        let entries = self.entries(scene)?;
+        for (index, path) in self.paths.iter().enumerate() {
+            let name = index.to_string() + &path.file_name().unwrap_or_default().to_string_lossy();
+            write_with(&part, &folder.path().join(name), self.transfer(), &self.extras(&entries))?;
+        }
+        let channels = layers.iter().map(|layer| layer.channels().len()).sum::<usize>();
+        // The channels of layers are written as the three of the image.
+        let share = (3 + channels) as f64 / 3.0;
+        Ok(Ending { fixed: share * times * start.elapsed().as_secs_f64(), each })
+    }
+
     /// Writes all of them, with any requested layers.
     ///
     /// # Errors
@@ -122,7 +165,7 @@ impl<'a> Outputs<'a> {
         share: f64,
     ) -> Result<()> {
         let mut entries = entries.to_vec();
-        if !entries.is_empty() {
+        if !entries.is_empty() && share < 1.0 {
             // Rounded down: unfinished work is never 100 %.
             let percent = (share * 100.0).floor();
             entries.push(Entry { name: "unfinished", text: format!("{percent} % is rendered") });
@@ -146,8 +189,8 @@ impl<'a> Outputs<'a> {
         let (free, kept): (Vec<PathBuf>, Vec<PathBuf>) =
             self.paths.iter().cloned().partition(|path| replaces || !path.exists());
         self.write_part(&free, film, entries, share)?;
-        let black =
-            |path: &PathBuf| format!("{} has what was finished; the rest is black", path.display());
+        let rest = if share < 1.0 { "; the rest is black" } else { "" };
+        let black = |path: &PathBuf| format!("{} has what was finished{rest}", path.display());
         let words = free.iter().map(black).chain(kept.iter().map(|path| unchanged(path)));
         Ok(words.collect::<Vec<_>>().join("; "))
     }
@@ -194,6 +237,9 @@ impl<'a> Outputs<'a> {
         Ok(metadata.entries(&identity))
     }
 }
+
+/// Bands into which an image is cut to measure with one what writing takes.
+const BANDS: u32 = 8;
 
 /// The format of a turntable in one file.
 pub(super) fn animated(output: &Path) -> Option<Animated> {

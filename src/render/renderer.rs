@@ -131,8 +131,8 @@ impl<'a> Renderer<'a> {
             }
             self.progress.frame(self.finished as u64 + 1, frames as u64);
         }
-        let (progress, scene, preset) = (&self.progress, &mut self.scene, &mut self.preset);
-        let aimed = || render_to_goal(outputs, progress, scene, preset, self.start);
+        let (progress, scene, start) = (&self.progress, &mut self.scene, self.start);
+        let aimed = || render_to_goal(outputs, progress, scene, start);
         let outcome = timed(&mut self.time.trace, aimed)?;
         let Rendered { counters, finished, pass_seconds, .. } = &outcome.rendered;
         if !finished {

@@ -30,9 +30,12 @@ pub(super) fn render_shard(args: &RenderArgs, shard: Shard) -> Result<()> {
         let Renderer { scene, progress, .. } = &renderer;
         let part = begin(&outputs, scene, Some(shard))?;
         let start = Instant::now();
-        let done = part.render_units(&Show::begin(&outputs, progress, scene, None), &warn)?;
+        let show = Show::begin(&outputs, progress, scene);
+        let done = part.advance(scene, scene.camera.rays_per_pixel(), &show, &warn)?;
+        part.save(&warn);
+        drop(show);
         let seconds = start.elapsed().as_secs_f64();
-        if part.share() < 1.0 {
+        if !part.is_finished() {
             let what = outputs.untouched();
             return Err(interrupt::error(part.share()).remedy(what + &go_on(args)));
         }

@@ -2,12 +2,12 @@
 //!
 //! Failures here never end a render: they are warnings at most.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
 
 use super::outputs::Outputs;
-use crate::common::{seconds, tell};
+use crate::common::tell;
 use crate::interrupt;
 use crate::progress::{Display, Phase};
 use wavecrest_base::error::{Error, Result};
@@ -17,7 +17,6 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Watch, window};
 use wavecrest_core::tile::Tile;
 use wavecrest_image::metadata::Entry;
-use wavecrest_report::accuracy::pilot::budget::Pace;
 
 /// A failure that does not end a render, such as of a checkpoint that cannot be written: the warning is printed even with
 /// `--quiet`.
@@ -25,15 +24,10 @@ pub(super) fn warn(error: &Error) {
     tell(&format!("warning: {error}"));
 }
 
-/// Shows one render: its progress, and the image so far in the file. Ends it on a signal, or if it is
-/// too slow.
+/// Shows one render: its progress, and the image so far in the file. Ends it on a signal.
 pub(super) struct Show<'a> {
-    outputs: &'a Outputs<'a>,
     progress: &'a Display,
     saver: Option<ImageSaver<'a>>,
-    pace: Option<&'a Pace<'a>>,
-    /// That the time is too short.
-    told: Once,
 }
 
 impl<'a> Show<'a> {
@@ -42,27 +36,24 @@ impl<'a> Show<'a> {
         outputs: &'a Outputs<'a>,
         progress: &'a Display,
         scene: &PreparedScene,
-        pace: Option<&'a Pace<'a>>,
     ) -> Self {
         progress.begin(Phase::Trace);
         let saver = outputs.args.save_every.and_then(|seconds| {
             let saver = ImageSaver::new(outputs, scene, seconds);
             saver.inspect_err(warn).ok()
         });
-        Self { outputs, progress, saver, pace, told: Once::new() }
+        Self { progress, saver }
     }
 }
 
 impl Watch for Show<'_> {
     fn progress(&self, done: u64, all: u64) {
         self.progress.traced(done, all);
-        if let Some(pace) = self.pace {
-            pace.progress(done, all);
-            if let Some(all) = pace.overrun() {
-                let words = format!("one point takes about {} s, more than is left", seconds(all));
-                self.told.call_once(|| self.outputs.args.say(&words));
-            }
-        }
+    }
+
+    fn pass(&self, _samples: u32, _error: Option<f64>) {
+        self.progress.begin(Phase::Trace);
+        self.saver.iter().for_each(ImageSaver::begin_pass);
     }
 
     fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
@@ -74,7 +65,7 @@ impl Watch for Show<'_> {
     }
 
     fn cancelled(&self) -> bool {
-        interrupt::signal().is_some() || self.pace.is_some_and(Pace::is_late)
+        interrupt::signal().is_some()
     }
 }
 
@@ -117,6 +108,11 @@ impl<'a> ImageSaver<'a> {
         let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
         let entries = outputs.entries(scene)?;
         Ok(Self { outputs, entries, window, every, kept, writing: AtomicBool::new(false) })
+    }
+
+    /// The tiles of a further pass follow.
+    fn begin_pass(&self) {
+        lock(&self.kept).pixels = 0;
     }
 
     /// Adds a tile; writes the image if it is due.

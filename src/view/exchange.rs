@@ -14,6 +14,7 @@ use tokio_tungstenite::tungstenite::Message;
 use super::request::Request;
 use wavecrest_base::{lock, memory, progress};
 use wavecrest_core::film::Film;
+use wavecrest_core::math::sampling::Points;
 use wavecrest_core::render::Watch;
 use wavecrest_image::write::Transfer;
 use wavecrest_scene::components::View;
@@ -92,8 +93,9 @@ impl Kind {
 pub(super) struct Board {
     /// The last message of each kind, with the number of messages of its kind so far.
     pub(super) messages: [(u64, Option<Message>); Kind::COUNT],
-    /// Where the camera is, once there is a scene.
-    pub(super) view: Option<View>,
+    /// Where the camera is, once there is a scene, and the points in each pixel of the first half, unless they are those of
+    /// the file.
+    pub(super) view: Option<(View, Option<Points>)>,
     /// The last whole image of the first half.
     pub(super) image: Option<(Arc<Film>, Transfer)>,
 }

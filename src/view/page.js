@@ -450,7 +450,6 @@
       ["Rays a second", shown.map(speedOf)],
     ]);
     showTable("counters", shown.length, names.map((name) => [name, counts.map((count) => brief(count[name] ?? 0))]));
-    write("figures-note", [...new Set(shown.map((half) => half.note))].filter(Boolean).join("\n"));
     showStatus(shown);
     showLabels(shown);
     showShares(shown);

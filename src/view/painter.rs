@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
 use super::ready::{Ready, prepare};
-use super::refine::{Refinement, Tried, fewest};
+use super::refine::{HalfRender, Tried, Work, figures_of, rays};
 use super::request::{Half, Request};
 use super::showing::Showing;
 use super::steering::Steering;
@@ -20,14 +20,15 @@ use super::take_away::TakeAway;
 use crate::common::to_json;
 use crate::explain;
 use wavecrest_base::error::Result;
+use wavecrest_core::film::Film;
 use wavecrest_core::kernels::camera::Placement;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::probe;
-use wavecrest_core::render::units::Order;
-use wavecrest_core::render::{Rendered, Watch};
+use wavecrest_core::render::Watch;
+use wavecrest_core::render::work::RenderWork;
+use wavecrest_image::farm::{Author, Pass, Passes};
 use wavecrest_image::look::{self, Look};
-use wavecrest_report::accuracy::pilot::{NO_ERROR, measured};
 use wavecrest_scene::components::View;
 use wavecrest_scene::systems::frame;
 
@@ -52,8 +53,8 @@ pub(super) struct Painter<'a> {
     steering: Steering,
     halves: Vec<Half>,
     look: Option<Look>,
-    /// For each half, the renders that are finished for this camera, and the figures of the last.
-    finished: [usize; 2],
+    /// For each half, what is rendered for this camera, and the figures of that.
+    progress: [Option<HalfRender>; 2],
     figures: [Value; 2],
     tried: Tried,
     /// The pixels that were traced in a second while something moved.
@@ -66,7 +67,7 @@ pub(super) struct Painter<'a> {
 /// If it cannot be loaded or prepared, or an image can no longer be decoded.
 pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) -> Result<()> {
     let (ready, view) = prepare(args, exchange, take_away, args.look, None)?;
-    let half = Half::of_file(args.scene_options.precision, args.tracer);
+    let half = half_of_file(args, &ready, args.look);
     let mut painter = Painter {
         args,
         exchange,
@@ -75,7 +76,7 @@ pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) 
         steering: Steering::new(view),
         halves: vec![half],
         look: args.look,
-        finished: [0; 2],
+        progress: Default::default(),
         figures: Default::default(),
         tried: Tried::default(),
         pace: None,
@@ -152,8 +153,8 @@ impl<'a> Painter<'a> {
             return Ok(false);
         }
         self.look = look;
-        self.halves.truncate(1);
         self.prepare_again()?;
+        self.halves = vec![half_of_file(self.args, &self.ready, look)];
         self.restart();
         Ok(true)
     }
@@ -168,7 +169,7 @@ impl<'a> Painter<'a> {
             return;
         }
         for index in [0, 1].into_iter().filter(|&index| !same[index]) {
-            self.finished[index] = 0;
+            self.progress[index] = None;
             if let Some(figures) = self.figures[index].as_object_mut() {
                 figures.insert("rests".to_owned(), false.into());
             }
@@ -193,39 +194,22 @@ impl<'a> Painter<'a> {
 
     /// Forgets what was rendered for another camera.
     fn restart(&mut self) {
-        self.finished = [0; 2];
+        self.progress = Default::default();
         self.figures[1] = Value::Null;
         self.exchange.withdraw(Kind::Second);
         self.exchange.board.send_modify(|board| board.image = None);
         self.send_state();
     }
 
-    /// Renders a half and shows it: while something moves, or at rest, when a request ends it. Returns what is finished.
-    fn shoot(
-        &mut self,
-        index: usize,
-        Refinement { samples, words, .. }: &Refinement,
-        size: [u32; 2],
-        moves: bool,
-    ) -> Result<Option<Rendered>> {
-        let half = self.halves[index];
+    /// Begins to show a half, of this size in pixels, with its samples in words.
+    fn show(&mut self, index: usize, words: &str, size: [u32; 2], moves: bool) -> Showing<'a> {
         let placement = Placement { size, ..self.steering.view.placement() };
-        self.ready.place(placement, half.precision, samples);
+        self.ready.place(placement, &self.halves[index], moves);
         let mut figures = self.all_figures();
         if let Some(half) = figures["halves"].get_mut(index) {
             (half["next"], half["rests"]) = (json!(words), json!(false));
         }
-        let showing = Showing::new(self.exchange, index, size, self.ready.transfer, moves, figures);
-        let (scene, options) = (&self.ready.scene, &self.ready.options(self.args, half.tracer));
-        let rendered = look::render(scene, self.look, options, &showing, Order::Rows)?;
-        if !rendered.finished {
-            return Ok(None);
-        }
-        showing.finish(&rendered.film);
-        self.exchange.withdraw(Kind::Progress);
-        self.figures[index] = figures_of(words, &rendered, moves);
-        self.send_figures();
-        Ok(Some(rendered))
+        Showing::new(self.exchange, index, size, self.ready.transfer, moves, figures)
     }
 
     /// Shows a small image at once, of a size for many in a second.
@@ -235,7 +219,14 @@ impl<'a> Painter<'a> {
             self.pace.map_or(FIRST, |pace| (pace * FRAME / whole[0] / whole[1]).sqrt().min(1.0));
         let size = whole.map(|side| ((side * scale) as u32).max(1));
         let start = Instant::now();
-        self.shoot(0, &fewest(), size, true)?;
+        let words = rays(1);
+        let showing = self.show(0, &words, size, true);
+        let options = self.ready.options(self.args, self.halves[0].tracer);
+        let rendered = look::render(&self.ready.scene, self.look, &options, &showing)?;
+        showing.finish(&rendered.film);
+        self.exchange.withdraw(Kind::Progress);
+        self.figures[0] = figures_of(&words, &Work::of(&rendered), true);
+        self.send_figures();
         let pace = f64::from(size[0]) * f64::from(size[1]) / start.elapsed().as_secs_f64();
         self.pace = Some(self.pace.map_or(pace, |before| before.midpoint(pace)));
         Ok(())
@@ -249,57 +240,92 @@ impl<'a> Painter<'a> {
             self.prepare_again()?;
         }
         for index in 0..self.halves.len() {
-            let refinements = self.ready.own.refinements(&self.halves[index]);
-            // Looks show no noise that samples could take away step by step.
-            let first = if self.look.is_some() { refinements.len() - 1 } else { 0 };
-            for number in first.max(self.finished[index])..refinements.len() {
-                if !self.advance(index, &refinements[number], number + 1 == refinements.len())? {
+            while !self.progress[index].as_ref().is_some_and(HalfRender::is_finished) {
+                if !self.advance(index)? {
                     return Ok(false);
                 }
-                self.finished[index] = number + 1;
             }
         }
         Ok(true)
     }
 
-    /// Renders one refinement of a half, and measures its error; false if a request ended it.
-    fn advance(&mut self, index: usize, refinement: &Refinement, is_last: bool) -> Result<bool> {
-        let size = self.steering.view.placement().size;
-        let Some(rendered) = self.shoot(index, refinement, size, false)? else { return Ok(false) };
-        let pixels = rendered.film.pixels().len();
-        if rendered.counters.rays.primary <= pixels as u64 {
-            self.pace = Some(pixels as f64 / rendered.seconds);
-        }
-        if refinement.is_measured && self.look.is_none() {
-            let inbox = &self.exchange.inbox;
-            let error = measured(&self.ready.scene, &rendered, self.args.seed, inbox)?;
-            if inbox.cancelled() {
+    /// Renders the next pass of a half; false if a request ended it, after which it goes on.
+    fn advance(&mut self, index: usize) -> Result<bool> {
+        let (half, size) = (self.halves[index], self.steering.view.placement().size);
+        self.ready.place(self.steering.view.placement(), &half, false);
+        let options = self.ready.options(self.args, half.tracer);
+        let camera = self.ready.scene.camera;
+        let all = camera.rays_per_pixel();
+        if let Some(look) = self.look {
+            let words = rays(all);
+            let showing = self.show(index, &words, size, false);
+            let rendered = look::render(&self.ready.scene, Some(look), &options, &showing)?;
+            if !rendered.finished {
                 return Ok(false);
             }
-            match error {
-                Some(error) => {
-                    self.figures[index]["error"] = error.error.into();
-                    self.tried.add(&self.halves[index], &refinement.words, rendered.seconds, error);
-                    self.send_chart();
-                }
-                None => self.figures[index]["note"] = format!("No error: {NO_ERROR}.").into(),
-            }
+            self.progress[index] = Some(HalfRender::Look);
+            let figures = figures_of(&words, &Work::of(&rendered), false);
+            self.finish(index, &showing, figures, rendered.film, true);
+            return Ok(true);
         }
+        if self.progress[index].is_none() {
+            let nothing = (None, true);
+            let passes =
+                Passes::begin(&self.ready.scene, options, Author::default(), None, nothing)?;
+            let work = RenderWork::none(&self.ready.scene);
+            self.progress[index] = Some(HalfRender::Light(Box::new((passes, work))));
+        }
+        let Some(HalfRender::Light(mut render)) = self.progress[index].take() else {
+            return Ok(true);
+        };
+        let (passes, work) = &mut *render;
+        let Pass { from, to, .. } = passes.pass();
+        let to = if to > from { to } else { half.next_pass(from, all) };
+        let words = rays(to);
+        let showing = self.show(index, &words, size, false);
+        work.add(passes.advance(&self.ready.scene, to, &showing, &|_| {})?);
+        let pass = passes.pass();
+        let seconds = work.seconds;
+        let figures = figures_of(&words, &Work::of_passes(work, pass.error), false);
+        let film = (pass.from == to).then(|| passes.painted()).transpose()?.map(|done| done.film);
+        self.progress[index] = Some(HalfRender::Light(render));
+        let Some(film) = film else { return Ok(false) };
+        if to == 1 {
+            self.pace = Some(film.pixels().len() as f64 / seconds);
+        }
+        if let Some(error) = pass.error.filter(|error| *error > 0.0) {
+            self.tried.add(&half, &words, seconds, error);
+            self.send_chart();
+        }
+        self.finish(index, &showing, figures, film, to == all);
+        Ok(true)
+    }
+
+    /// Shows what is finished of a half; the last of the first may be taken away.
+    fn finish(
+        &mut self,
+        index: usize,
+        showing: &Showing<'_>,
+        figures: Value,
+        film: Film,
+        is_last: bool,
+    ) {
+        showing.finish(&film);
+        self.exchange.withdraw(Kind::Progress);
         if is_last && index == 0 {
-            let image = Some((Arc::new(rendered.film), self.ready.transfer));
+            let image = Some((Arc::new(film), self.ready.transfer));
             self.exchange.board.send_modify(|board| board.image = image);
         }
+        self.figures[index] = figures;
         self.figures[index]["rests"] = is_last.into();
         self.send_figures();
-        Ok(true)
     }
 
     /// The hits of the rays of a pixel, with the samples of the first half.
     fn probe(&mut self, at: [f64; 2]) -> Result<()> {
         let View { width, height, .. } = self.steering.view;
         let half = self.halves[0];
-        let Some(last) = self.ready.own.refinements(&half).pop() else { return Ok(()) };
-        self.ready.place(self.steering.view.placement(), half.precision, &last.samples);
+        self.ready.place(self.steering.view.placement(), &half, false);
         let pixel = |share: f64, side: u32| ((share * f64::from(side)) as u32).min(side - 1);
         let pixel = [pixel(at[0], width), pixel(at[1], height)];
         let (start, inbox) = (Instant::now(), &self.exchange.inbox);
@@ -347,7 +373,8 @@ impl<'a> Painter<'a> {
             "note": note,
             "names": self.take_away.names(),
         });
-        self.exchange.board.send_modify(|board| board.view = Some(view));
+        let points = self.halves[0].points();
+        self.exchange.board.send_modify(|board| board.view = Some((view, points)));
         self.exchange.send(Kind::State, state.to_string());
     }
 
@@ -360,23 +387,8 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// What a render took, for the page.
-fn figures_of(words: &str, rendered: &Rendered, moves: bool) -> Value {
-    let Rendered { counters, seconds, pass_seconds, .. } = rendered;
-    let (rays, all) = (counters.rays, pass_seconds.iter().map(|(_, s)| s).sum::<f64>());
-    let shares = pass_seconds.iter().map(|(name, s)| (name, s / all));
-    json!({
-        "samples": words,
-        "next": words,
-        "seconds": seconds,
-        "error": null,
-        "note": "",
-        "rays": rays.all(),
-        "rays_per_second": rays.all() as f64 / seconds,
-        "passes": shares.filter(|(_, share)| *share > 0.0).collect::<Vec<_>>(),
-        "counters": {"rays": rays, "samples": counters.samples, "tests": counters.tests},
-        "done": 1.0,
-        "rests": false,
-        "moving": moves,
-    })
+/// The half that shows a file as the command would, with this look.
+fn half_of_file(args: &ViewArgs, ready: &Ready, look: Option<Look>) -> Half {
+    let rays = if look.is_none() { ready.rays() } else { 1 };
+    Half::of_file(args.scene_options.precision, args.tracer, rays)
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::ViewArgs;
 use super::exchange::Exchange;
-use super::refine::OwnSamples;
+use super::request::Half;
 use super::steering::Steering;
 use super::take_away::TakeAway;
 use crate::input::{SceneOptions, Shown};
@@ -16,8 +16,8 @@ use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::camera::{Camera, Placement};
-use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Appearance, Original, PreparedScene, Samples};
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_image::look::Look;
@@ -38,7 +38,6 @@ pub(super) struct Ready {
     /// The camera and the lights of the file.
     camera: Camera,
     original: Original,
-    pub(super) own: OwnSamples,
     /// The transfer curve of what is shown.
     pub(super) transfer: Transfer,
     /// The box around everything.
@@ -80,11 +79,10 @@ pub(super) fn prepare(
     let mut scene = extracted.build(preset);
     args.search.apply(&mut scene.accel);
     let (camera, original) = (scene.camera, scene.original());
-    let own = OwnSamples::of(&scene, view.sampling);
     let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
     let ends = ends.map(|end| end + scene.origin);
     exchange.prepares.store(false, Ordering::Relaxed);
-    Ok((Ready { scene, preset, camera, original, own, transfer, ends }, view))
+    Ok((Ready { scene, preset, camera, original, transfer, ends }, view))
 }
 
 impl Ready {
@@ -114,14 +112,19 @@ impl Ready {
         RenderOptions { tracer, seed: args.seed, batch, ..RenderOptions::default() }
     }
 
-    /// Makes the scene ready for a render from a placement, with these samples.
-    pub(super) fn place(&mut self, placement: Placement, precision: Precision, samples: &Samples) {
+    /// Makes the scene ready for a render of a half from a placement; with a single point on everything if it is a `draft`.
+    pub(super) fn place(&mut self, placement: Placement, half: &Half, draft: bool) {
         let Self { scene, camera, original, .. } = self;
-        scene.accel.set_precision(precision);
-        scene.resample(original, &Samples::default());
+        scene.accel.set_precision(half.precision);
+        let one = draft.then_some(Points { sampling: Sampling::Jittered, side: 1 });
+        scene.resample(original, &Samples { lights: one, ..Samples::default() });
         let (location, look) = (placement.location - scene.origin, placement.look - scene.origin);
-        scene.camera = camera.placed(&Placement { location, look, ..placement });
-        let placed = scene.original();
-        scene.resample(&placed, samples);
+        let placed = camera.placed(&Placement { location, look, ..placement });
+        scene.camera = if draft { placed.resampled(one, one) } else { half.camera(&placed) };
+    }
+
+    /// The number of rays of the file for each pixel.
+    pub(super) fn rays(&self) -> u32 {
+        self.camera.rays_per_pixel()
     }
 }

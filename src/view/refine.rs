@@ -1,88 +1,24 @@
-//! The renders that an image at rest goes through, each with more samples than the one before, and what they cost.
+//! What is rendered of a half in passes, and what the settings that were tried with one camera cost.
 
-use wavecrest_base::words::counted;
-use wavecrest_core::math::sampling::{Points, Sampling};
-use wavecrest_core::prepared::{PreparedScene, Samples};
-use wavecrest_report::accuracy::pilot::MeasuredError;
-use wavecrest_report::accuracy::setting::{Axis, Facts};
-use wavecrest_report::plot::{Chart, ChartAxis, Draw, Point, Scale, Series};
+use serde_json::{Value, json};
 
 use super::request::Half;
+use wavecrest_base::words::counted;
+use wavecrest_core::counters::Counters;
+use wavecrest_core::render::Rendered;
+use wavecrest_core::render::work::RenderWork;
+use wavecrest_image::farm::Passes;
+use wavecrest_report::plot::{Chart, ChartAxis, Draw, Point, Scale, Series};
 
-/// One render.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Refinement {
-    pub(super) samples: Samples,
-    /// The samples in words.
-    pub(super) words: String,
-    /// Whether renders show its error: those with one ray through the centre of each pixel agree in what they miss.
-    pub(super) is_measured: bool,
-}
-
-/// The samples of a scene's file, from which the renders before the last follow.
-pub(super) struct OwnSamples {
-    axis: Axis,
-    sampling: Sampling,
-    /// The number of points along the axis.
-    count: u32,
-    /// Rays for each pixel.
-    rays: u32,
-}
-
-impl OwnSamples {
-    /// Those of a scene as it was prepared, with the sampling of its pixels.
-    pub(super) fn of(scene: &PreparedScene, sampling: Sampling) -> Self {
-        let axis = Axis::of(&Facts::of(scene));
-        let (rays, antialias) = (scene.camera.rays_per_pixel(), scene.camera.antialias());
-        let of_lights = || scene.lights.iter().filter(|light| light.is_sampled());
-        let (sampling, count) = match axis {
-            Axis::Pixel(_) => (sampling, antialias * antialias),
-            Axis::Lens(_) => (Sampling::Jittered, rays),
-            Axis::Lights(_) => (
-                of_lights().next().map_or(sampling, |light| light.sampling),
-                of_lights().map(|light| light.samples()).max().unwrap_or(1),
-            ),
-        };
-        Self { axis, sampling, count, rays }
-    }
-
-    /// The renders of a half: twice the side of the grid each time, and what it asks for as the last.
-    pub(super) fn refinements(&self, half: &Half) -> Vec<Refinement> {
-        let along = |points: Points| Refinement {
-            samples: self.axis.samples(points),
-            words: self.axis.counted(points),
-            is_measured: points.side > 1 || !matches!(self.axis, Axis::Pixel(_)),
-        };
-        let (sampling, count, last) = match half.points() {
-            Some(points) => (points.sampling, points.count(), along(points)),
-            None => {
-                let words = format!("the file's {} per pixel", counted(self.rays.into(), "ray"));
-                let last = Refinement { samples: Samples::default(), words, is_measured: true };
-                (self.sampling, self.count, last)
-            }
-        };
-        let sides = (0..).map(|power| 1_u32 << power).take_while(|side| side * side < count);
-        sides.map(|side| along(Points { sampling, side })).chain([last]).collect()
-    }
-}
-
-/// One ray through the centre of each pixel, and one point on whatever else has several.
-pub(super) fn fewest() -> Refinement {
-    let one = Some(Points { sampling: Sampling::Jittered, side: 1 });
-    let samples = Samples { lights: one, lens: one, pixel: one };
-    Refinement { samples, words: "1 ray per pixel".to_owned(), is_measured: false }
-}
-
-/// The errors and times of the settings that were tried with one camera.
+/// The errors and times of the passes with one camera.
 #[derive(Default)]
 pub(super) struct Tried(Vec<Series>);
 
 impl Tried {
-    /// Adds a render of a half; the same again takes the place of the one before.
-    pub(super) fn add(&mut self, half: &Half, words: &str, seconds: f64, error: MeasuredError) {
-        let (name, MeasuredError { error, at_most, .. }) = (half.name(), error);
-        let label = words.to_owned();
-        let point = Point { x: seconds, y: error, low: error, high: at_most, label };
+    /// Adds a pass of a half, with its samples in words; the same again takes the place of the one before.
+    pub(super) fn add(&mut self, half: &Half, words: &str, seconds: f64, error: f64) {
+        let (name, label) = (half.name(), words.to_owned());
+        let point = Point { x: seconds, y: error, low: error, high: error, label };
         let known = self.0.iter_mut().find(|series| series.name == name);
         match known {
             Some(Series { points, .. }) => {
@@ -93,7 +29,7 @@ impl Tried {
         }
     }
 
-    /// The chart, wide and narrow, as elements of a page; `None` before the first render.
+    /// The chart, wide and narrow, as elements of a page; `None` before the first pass with an error.
     pub(super) fn chart(&self) -> Option<[String; 2]> {
         let axis = |label: &str, unit: &str| ChartAxis::new(label, unit, Scale::Log);
         let chart = Chart {
@@ -105,4 +41,65 @@ impl Tried {
         };
         (!self.0.is_empty()).then(|| chart.elements())
     }
+}
+
+/// What is rendered of a half.
+pub(super) enum HalfRender {
+    /// Its look is finished.
+    Look,
+    /// Passes, and their work.
+    Light(Box<(Passes, RenderWork)>),
+}
+
+impl HalfRender {
+    pub(super) fn is_finished(&self) -> bool {
+        match self {
+            Self::Look => true,
+            Self::Light(render) => render.0.is_finished(),
+        }
+    }
+}
+
+/// A number of samples in words.
+pub(super) fn rays(count: u32) -> String {
+    format!("{} per pixel", counted(count.into(), "ray"))
+}
+
+/// The work on a half so far.
+pub(super) struct Work<'a> {
+    counters: &'a Counters,
+    seconds: f64,
+    pass_seconds: &'a [(&'static str, f64)],
+    error: Option<f64>,
+}
+
+impl<'a> Work<'a> {
+    pub(super) fn of(Rendered { counters, seconds, pass_seconds, .. }: &'a Rendered) -> Self {
+        Self { counters, seconds: *seconds, pass_seconds, error: None }
+    }
+
+    pub(super) fn of_passes(work: &'a RenderWork, error: Option<f64>) -> Self {
+        let RenderWork { counters, seconds, pass_seconds, .. } = work;
+        Self { counters, seconds: *seconds, pass_seconds, error }
+    }
+}
+
+/// What a render took, for the page.
+pub(super) fn figures_of(words: &str, work: &Work<'_>, moves: bool) -> Value {
+    let Work { counters, seconds, pass_seconds, error } = *work;
+    let (rays, all) = (counters.rays, pass_seconds.iter().map(|(_, s)| s).sum::<f64>());
+    let shares = pass_seconds.iter().map(|(name, s)| (name, s / all));
+    json!({
+        "samples": words,
+        "next": words,
+        "seconds": seconds,
+        "error": error,
+        "rays": rays.all(),
+        "rays_per_second": rays.all() as f64 / seconds,
+        "passes": shares.filter(|(_, share)| *share > 0.0).collect::<Vec<_>>(),
+        "counters": {"rays": rays, "samples": counters.samples, "tests": counters.tests},
+        "done": 1.0,
+        "rests": false,
+        "moving": moves,
+    })
 }

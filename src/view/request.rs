@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::render::TracerKind;
@@ -50,9 +51,22 @@ pub(super) struct Half {
 }
 
 impl Half {
-    /// As the file and the command say.
-    pub(super) fn of_file(precision: Precision, tracer: TracerKind) -> Self {
-        Self { sampler: None, side: 1, precision, tracer }
+    /// As the file and the command say, with so many rays a pixel: in a sequence, whose passes tell their error.
+    pub(super) fn of_file(precision: Precision, tracer: TracerKind, rays: u32) -> Self {
+        let side = (1..MOST_SIDE).find(|side| side * side >= rays).unwrap_or(MOST_SIDE);
+        Self { sampler: (side > 1).then_some(Sampling::Sobol), side, precision, tracer }
+    }
+
+    /// The camera of the file with its samples: each has one point on the lens.
+    pub(super) fn camera(&self, own: &Camera) -> Camera {
+        let Some(points) = self.points() else { return *own };
+        own.resampled(Some(points), Some(Points { side: 1, ..points }))
+    }
+
+    /// The number of samples after the next pass beyond `samples`, of `all`: of a sequence twice as many, of others all.
+    pub(super) fn next_pass(&self, samples: u32, all: u32) -> u32 {
+        let is_sequence = self.sampler == Some(Sampling::Sobol);
+        if is_sequence { (2 * samples).clamp(1, all) } else { all }
     }
 
     /// The points that are asked for, unless they are those of the file.

@@ -14,6 +14,7 @@ use super::request::Half;
 use wavecrest_base::error::Result;
 use wavecrest_base::lock;
 use wavecrest_base::words;
+use wavecrest_core::math::sampling::Points;
 use wavecrest_image::look::Look;
 use wavecrest_image::write::png;
 use wavecrest_scene::components::View;
@@ -66,14 +67,14 @@ impl TakeAway {
 
     /// The file with this name among those that can be saved, once there is a scene: its media type, and its bytes.
     pub(super) fn get(&self, name: &str, exchange: &Exchange) -> Option<(&'static str, Vec<u8>)> {
-        let (view, image) = {
+        let ((view, points), image) = {
             let board = exchange.board.borrow();
             (board.view?, board.image.clone())
         };
         match name {
             "scene.json" => {
                 let mut scene = lock(&self.converted).clone().or_else(|| read(&self.file))?;
-                place(&mut scene, &view)?;
+                place(&mut scene, &view, points)?;
                 let text = serde_json::to_string_pretty(&scene).ok()? + "\n";
                 Some(("application/json", text.into_bytes()))
             }
@@ -98,12 +99,11 @@ impl TakeAway {
                 .chain(of_image.clone())
                 .chain(differs),
         );
-        let samples = if half.points().is_some() { " (with the samples of the file)" } else { "" };
         if lock(&self.converted).is_none() {
             let beside = self.file.display();
             return (
                 render,
-                format!("Save the scene beside {beside}, and run this in its folder{samples}:"),
+                format!("Save the scene beside {beside}, and run this in its folder:"),
             );
         }
         let file = std::path::absolute(&self.file).unwrap_or_else(|_| self.file.clone());
@@ -113,7 +113,7 @@ impl TakeAway {
         let convert = words::command(words.chain(paths).chain(of_meshes.clone()));
         let note =
             "Save the scene in the folder where you run this; the first command writes its meshes";
-        (format!("{convert}\n{render}"), format!("{note}{samples}:"))
+        (format!("{convert}\n{render}"), format!("{note}:"))
     }
 }
 
@@ -124,14 +124,16 @@ fn read(file: &Path) -> Option<Value> {
     serde_json::from_str(text.trim_start_matches('\u{feff}')).ok()
 }
 
-/// Gives a scene file another camera, at rest.
-fn place(scene: &mut Value, view: &View) -> Option<()> {
+/// Gives a scene file another camera, at rest, with these points in each pixel unless it has its own.
+fn place(scene: &mut Value, view: &View, points: Option<Points>) -> Option<()> {
     let camera = scene.get_mut("camera")?.as_object_mut()?;
+    let has_lens = camera.contains_key("aperture");
     // Other names of these keys, and the motion.
     for key in ["position", "lookat", "lookAt", "path"] {
         camera.remove(key);
     }
     let View { width, height, location, look, up, antialias, .. } = *view;
+    let antialias = points.map_or(antialias, |points| points.side);
     let keys = [
         ("width", json!(width)),
         ("height", json!(height)),
@@ -141,5 +143,12 @@ fn place(scene: &mut Value, view: &View) -> Option<()> {
         ("antialias", json!(antialias)),
     ];
     camera.extend(keys.map(|(key, value)| (key.to_owned(), value)));
+    if let Some(points) = points {
+        camera.insert("sampling".to_owned(), json!(points.sampling));
+        // Each has one point on the lens.
+        for key in ["nsamplesx", "nsamplesy"].into_iter().filter(|_| has_lens) {
+            camera.insert(key.to_owned(), json!(1));
+        }
+    }
     Some(())
 }

@@ -1,16 +1,10 @@
-//! Error against time: the slopes that theory has, sweeps that go on where they stopped, and errors that come
-//! out as they were asked for.
+//! Error against time: the slopes that theory has, and sweeps that go on where they stopped.
 
 use std::path::Path;
 
 use serde_json::{Value, json};
-use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::sampling::{Points, Sampling};
-use wavecrest_core::prepared::{PreparedScene, Samples};
-use wavecrest_core::render::{RenderOptions, Watch};
-use wavecrest_image::compare::compare;
-use wavecrest_report::accuracy::pilot::target::reach;
-use wavecrest_report::accuracy::pilot::{choices, measured};
+use wavecrest_core::prepared::Samples;
 use wavecrest_report::accuracy::report::{ERRORS, FastestSetting, FastestSettings, SettingResult};
 use wavecrest_report::accuracy::setting::{Family, SettingSeries};
 use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
@@ -20,8 +14,7 @@ use wavecrest_report::summary::Uncertain;
 use wavecrest_report::text::text;
 
 use crate::support::{
-    extract_small, folder, image_of, matte, options, pinhole, point_light, prepare, render_on,
-    repository, scene, sphere, thin_lens, wall, with,
+    folder, image_of, matte, pinhole, prepare, repository, scene, sphere, thin_lens, wall, with,
 };
 
 fn header(longest: u32, most: u32, least: u32) -> SweepHeader {
@@ -138,22 +131,22 @@ fn a_sweep_resumes_where_it_stopped() {
 }
 
 /// A square light above a ball: seen from the side, its shadow is soft.
-fn square_light(sampling: &str, samples: u32) -> Value {
+pub(crate) fn square_light(sampling: &str, samples: u32) -> Value {
     let corners = json!([[-1, 4, -1], [-1, 4, 1], [1, 4, 1], [1, 4, -1]]);
     json!({"type": "arealight", "intensity": 60, "color": [1, 1, 1], "sampling": sampling,
            "samples": samples, "shape": {"type": "plane", "points": corners}})
 }
 
-fn round_light(sampling: &str, samples: u32) -> Value {
+pub(crate) fn round_light(sampling: &str, samples: u32) -> Value {
     json!({"type": "arealight", "intensity": 40, "color": [1, 0.9, 0.8], "sampling": sampling,
            "samples": samples, "shape": {"type": "sphere", "center": [2, 3, 3], "radius": 0.7}})
 }
 
-fn lens(sampling: &str, side: u32) -> Value {
+pub(crate) fn lens(sampling: &str, side: u32) -> Value {
     with(thin_lens(pinhole([40, 30], 45.0, 6.0), 0.8, 6.5, [side; 2]), "sampling", sampling)
 }
 
-fn shown(camera: &Value, lights: &[Value]) -> Value {
+pub(crate) fn shown(camera: &Value, lights: &[Value]) -> Value {
     let ball = sphere([0.0, 0.3, 0.5], 1.0, matte(0.8, [0.9, 0.4, 0.2]));
     scene(0, camera, lights, &[ball, wall(5.0, -1.5, matte(0.8, [0.3, 0.5, 0.9]))])
 }
@@ -192,105 +185,6 @@ fn resampling_gives_what_the_file_would() {
     }
 }
 
-/// Renders of ten scenes end at or below the error that was asked for in at least 95 of 100 runs, against
-/// references that they know nothing of.
-#[test]
-fn a_requested_error_is_reached() {
-    errors_are_reached(0.02, 1);
-}
-
-/// The same with more runs and smaller errors, for minutes.
-#[test]
-#[ignore = "for minutes"]
-fn requested_errors_are_reached() {
-    for asked in [0.03, 0.006] {
-        errors_are_reached(asked, 10);
-    }
-}
-
-fn errors_are_reached(asked: f64, seeds: u64) {
-    let small = |name: &str| {
-        let file = repository(&format!("scenes/{name}.json"));
-        extract_small(&file, 64, u64::MAX).build(Preset::Fast)
-    };
-    let of = |camera: &Value, light: Value| prepare(&shown(camera, &[light]));
-    let camera = pinhole([64, 48], 45.0, 6.0);
-    let smooth = with(camera.clone(), "antialias", 2);
-    let sun = point_light(60.0, [2.0, 3.0, 4.0], [1.0; 3]);
-    let scenes: [(&str, PreparedScene); 10] = [
-        ("a square light", small("testareajitter")),
-        ("a lens", small("DoF")),
-        ("a round light", of(&camera, round_light("random", 4))),
-        ("a lens under a light", of(&lens("jittered", 2), square_light("random", 4))),
-        ("pixels with a light", of(&smooth, square_light("jittered", 2))),
-        ("a wider lens", small("DoF-aperture8")),
-        // Nothing but where in a pixel a ray goes is left to chance: edges alias.
-        ("edges", of(&camera, sun)),
-        ("a mesh", small("TriMesh")),
-        ("mirrors", small("lightbounce")),
-        ("a texture", small("spheretexture")),
-    ];
-    let (mut runs, mut missed) = (0, Vec::new());
-    for (name, mut scene) in scenes {
-        let original = scene.original();
-        let reference = choices(&mut scene, &[Sampling::Sobol], asked / 12.0, 99, &());
-        let reference = reference.expect("a pilot")[0];
-        scene.resample(&original, &reference.samples());
-        let reference = render_on(2, &scene, &RenderOptions { seed: 99, ..options() }).film;
-        for seed in 0..seeds {
-            scene.resample(&original, &Samples::default());
-            let reached = reach(&mut scene, None, asked, seed, &(), |scene, _| {
-                let rendered = render_on(2, scene, &RenderOptions { seed, ..options() });
-                let found = measured(scene, &rendered, seed, &())?;
-                Ok((rendered, found))
-            });
-            let reached = reached.expect("renders").expect("samples");
-            let made = compare(&reached.rendered.film, &reference).expect("a comparison").rmse;
-            runs += 1;
-            if made > asked {
-                missed.push(format!("{name}, seed {seed}: {made}, {}", reached.choice));
-            }
-            // Nor is much more done than is asked for, but where a few points do already.
-            let is_close = made >= asked / 4.0 || reached.choice.points.side <= 2;
-            assert!(is_close, "{name}, seed {seed}: {made}, {}", reached.choice);
-        }
-    }
-    assert!(missed.len() * 20 <= runs, "more than one of twenty: {missed:#?}");
-}
-
-/// Light as strong as one likes, near a lamp: its error is that of the rarest points.
-#[test]
-fn an_error_that_does_not_fall_ends_the_renders_and_is_told() {
-    let ceiling = json!([[-3, 4.001, 3], [-3, 4.001, -3], [3, 4.001, -3], [3, 4.001, 3]]);
-    let ceiling = json!({"type": "plane", "points": ceiling, "normal": [0, -1, 0],
-                         "material": matte(0.8, [1.0; 3])});
-    let light = with(square_light("sobol", 4), "falloff", "inverse-square");
-    let camera = with(pinhole([64, 48], 90.0, 6.0), "antialias", 2);
-    let mut scene = prepare(&scene(0, &camera, &[light], &[ceiling]));
-    let mut sides = vec![32];
-    let reached = reach(&mut scene, None, 0.001, 0, &(), |scene, choice| {
-        sides.push(choice.points.side);
-        let rendered = render_on(2, scene, &options());
-        let found = measured(scene, &rendered, 0, &())?;
-        Ok((rendered, found))
-    });
-    let reached = reached.expect("renders").expect("samples");
-    let is_bounded = sides.windows(2).all(|two| two[1] <= 2 * two[0]) && sides.len() <= 5;
-    assert!(is_bounded, "{sides:?}");
-    let told = reached.unreached(0.001, Path::new("s.json")).expect("a warning").to_string();
-    assert!(told.contains("the target error 0.001 was not reached: it may be "), "{told}");
-}
-
-/// A lamp that is a thousandth of a pixel, which no ray meets.
-#[test]
-fn no_error_is_told_of_what_no_ray_met() {
-    let lamp = with(matte(0.0, [1.0; 3]), "emission", json!([1000, 1000, 1000]));
-    let camera = with(pinhole([64, 48], 45.0, 6.0), "antialias", 2);
-    let scene = prepare(&scene(0, &camera, &[], &[sphere([0.03, 0.03, 0.0], 1e-3, lamp)]));
-    let found = measured(&scene, &render_on(2, &scene, &options()), 0, &());
-    assert_eq!(found.expect("renders"), None);
-}
-
 #[test]
 fn an_answer_has_its_interval_and_the_lack_of_one_its_reason() {
     let mut at = FastestSetting { sampler: Some("sobol".to_owned()), ..Default::default() };
@@ -302,19 +196,6 @@ fn an_answer_has_its_interval_and_the_lack_of_one_its_reason() {
     answer.errors.clear();
     let told = answer.sentence();
     assert!(told.contains("the least is 35 %. White is 100 %, and a lamp in view"), "{told}");
-}
-
-#[test]
-fn a_pilot_that_is_ended_has_no_choice() {
-    struct Ended;
-    impl Watch for Ended {
-        fn cancelled(&self) -> bool {
-            true
-        }
-    }
-    let mut scene = extract_small(&repository("scenes/DoF.json"), 64, u64::MAX).build(Preset::Fast);
-    let reached = reach(&mut scene, None, 0.01, 0, &Ended, |_, _| panic!("nothing to render"));
-    assert!(reached.expect("no error").is_none());
 }
 
 /// CSV and page have the figures of the JSON.

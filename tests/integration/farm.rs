@@ -11,13 +11,13 @@ use wavecrest_core::render::{RenderOptions, Rendered, Watch};
 use wavecrest_core::tile::Tile;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::farm::merge::merge;
-use wavecrest_image::farm::{Author, Identity, Session, Shard};
+use wavecrest_image::farm::{Author, Identity, Passes, Shard};
 
 use crate::parts::ball;
 use crate::support::{TRACERS, folder, options, prepare, render_on};
 
 /// Ends a session once this share of it is finished.
-struct EndAt<'a>(&'a Session<'a>, f64);
+struct EndAt<'a>(&'a Passes, f64);
 
 impl Watch for EndAt<'_> {
     fn cancelled(&self) -> bool {
@@ -26,9 +26,9 @@ impl Watch for EndAt<'_> {
 }
 
 /// Renders until that share is finished, on one thread: no other is amid a unit.
-fn render_until(session: &Session<'_>, share: f64) -> Rendered {
+fn render_until(scene: &PreparedScene, session: &Passes, share: f64) -> Rendered {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-    pool.install(|| session.render(&EndAt(session, share), &no_warning)).expect("a film")
+    pool.install(|| session.render(scene, &EndAt(session, share), &no_warning)).expect("a film")
 }
 
 /// A warning would be a checkpoint that cannot be written.
@@ -40,19 +40,27 @@ fn shard(number: u32, count: u32) -> Shard {
     Shard::new(number, count).expect("there is such a shard")
 }
 
-fn begin<'a>(
-    scene: &'a PreparedScene,
-    options: &'a RenderOptions,
+fn begin(
+    scene: &PreparedScene,
+    options: &RenderOptions,
     shard: Option<Shard>,
-    checkpoint: Option<&'a Checkpoint>,
-) -> Result<Session<'a>> {
-    Session::begin(scene, *options, Author::default(), shard, checkpoint.cloned())
+    checkpoint: Option<&Checkpoint>,
+) -> Result<Passes> {
+    Passes::begin(scene, *options, Author::default(), shard, (checkpoint.cloned(), false))
+}
+
+/// Renders the tiles of a shard, or the rest of them.
+fn advance(scene: &PreparedScene, session: &Passes, watch: &dyn Watch) -> u64 {
+    let all = scene.camera.rays_per_pixel();
+    let done = session.advance(scene, all, watch, &no_warning).expect("the tiles");
+    session.save(&no_warning);
+    done.counters.rays.primary
 }
 
 /// Renders a shard and writes its part.
 fn write_part(scene: &PreparedScene, options: &RenderOptions, shard: Shard, file: &Path) {
     let session = begin(scene, options, Some(shard), None).expect("a session");
-    session.render_units(&(), &no_warning).expect("the units");
+    advance(scene, &session, &());
     session.write(file).expect("a part");
 }
 
@@ -78,8 +86,8 @@ fn write_part_in_two(scene: &PreparedScene, shard: Shard, file: &Path) {
     let go = |checkpoint: &Checkpoint, share: f64| {
         let session = begin(scene, &options, Some(shard), Some(checkpoint)).expect("a session");
         let watch = EndAt(&session, share);
-        let done = session.render_units(&watch, &no_warning).expect("the units");
-        (session.share(), session.write(file), done.counters.rays.primary)
+        let rays = advance(scene, &session, &watch);
+        (session.share(), session.write(file), rays)
     };
     let (share, _, first) = go(&at(false), 1e-9);
     assert!(share > 0.0, "one unit is there");
@@ -137,27 +145,27 @@ fn parts_in_any_order_make_the_image_of_one_process() {
     }
 }
 
-/// Every block of every tile is dealt once, shares are equal, and each has some of every quarter.
+/// Every tile is dealt once, shares are equal, and each has some of every quarter.
 #[test]
 fn shards_have_equal_shares_of_every_part_of_the_image() {
     let scene = prepare(&ball([640, 480], 1));
     let identity = Identity::of(&scene, &options()).expect("an image");
-    let (grid, blocks) = (identity.grid(), identity.blocks());
+    let grid = identity.grid();
     assert!(grid.len() >= 1024, "{} tiles", grid.len());
     for count in [1, 2, 3, 7, 8, 30, 40, 64] {
         let mut dealt = vec![0; grid.len() as usize];
         for number in 1..=count {
-            let tasks = shard(number, count).tasks(&grid, blocks);
-            let pixels: usize = tasks.iter().map(|task| grid.tile(task.tile).len()).sum();
+            let tiles = shard(number, count).tiles(&grid);
+            let pixels: usize = tiles.iter().map(|&tile| grid.tile(tile).len()).sum();
             let fair = f64::from(640 * 480) / f64::from(count);
             assert!((pixels as f64 / fair - 1.0).abs() < 0.1, "{number}/{count}: {pixels} pixels");
             let mut quarters = [0; 4];
-            for task in &tasks {
-                dealt[task.tile as usize] += 1;
-                let tile = grid.tile(task.tile);
+            for &number in &tiles {
+                dealt[number as usize] += 1;
+                let tile = grid.tile(number);
                 quarters[usize::from(tile.x >= 320) + 2 * usize::from(tile.y >= 240)] += 1;
             }
-            let fair = tasks.len() as f64 / 4.0;
+            let fair = tiles.len() as f64 / 4.0;
             for quarter in quarters {
                 let near = (f64::from(quarter) - fair).abs() <= (fair * 0.5).max(4.0);
                 assert!(near, "{number}/{count}: {quarters:?}");
@@ -165,18 +173,6 @@ fn shards_have_equal_shares_of_every_part_of_the_image() {
         }
         assert!(dealt.iter().all(|times| *times == 1), "{count} shards");
     }
-}
-
-#[test]
-fn few_tiles_are_shared_by_their_samples() {
-    let scene = prepare(&ball([8, 8], 64));
-    let identity = Identity::of(&scene, &options()).expect("an image");
-    let (grid, blocks) = (identity.grid(), identity.blocks());
-    assert_eq!((grid.len(), blocks.count()), (1, 16));
-    let shares = [1, 2, 3, 4, 5].map(|number| shard(number, 5).tasks(&grid, blocks).len());
-    assert_eq!(shares, [4, 3, 3, 3, 3]);
-    assert_eq!(Shard::WHOLE.tasks(&grid, blocks).len(), 1);
-    assert!(shard(20, 20).tasks(&grid, blocks).is_empty());
 }
 
 /// No ray is cast twice; what is complete is not written again, and is a part like any other.
@@ -192,7 +188,7 @@ fn a_stopped_render_resumes_to_the_same_bits() {
                 let checkpoint = checkpoint(&file, resume);
                 let session = begin(scene, &options, None, Some(&checkpoint));
                 let session = session.unwrap_or_else(|error| panic!("{error}"));
-                render_until(&session, share)
+                render_until(scene, &session, share)
             };
             let mut rays = 0;
             for (resume, share) in [(false, 0.2), (true, 0.5), (true, 0.0), (true, 2.0)] {
@@ -202,7 +198,7 @@ fn a_stopped_render_resumes_to_the_same_bits() {
                 assert!(!rendered.finished || rendered.film.same_bits(&whole.film), "{tracer:?}");
             }
             let at_once = begin(scene, &options, None, None)
-                .and_then(|session| session.render(&(), &no_warning));
+                .and_then(|session| session.render(scene, &(), &no_warning));
             assert_eq!(rays, at_once.expect("a film").counters.rays.primary);
             let before = std::fs::read(&file).expect("a checkpoint");
             let again = go(true, 2.0);

@@ -4,7 +4,7 @@
 use glam::Vec3;
 use serde_json::{Value, json};
 use wavecrest_core::film::Film;
-use wavecrest_core::kernels::differential::Differential;
+use wavecrest_core::kernels::differential::{Differential, Footprint};
 use wavecrest_core::kernels::precision::Exact;
 use wavecrest_core::kernels::shade;
 use wavecrest_core::math::random::Stream;
@@ -198,20 +198,24 @@ fn pyramids_are_built_where_a_shape_is_trilinear_and_nowhere_else() {
 /// The ray after so many mirrors on the way of the camera ray through a pixel, and its differential.
 fn mirrored(scene: &PreparedScene, [x, y]: [u32; 2], mirrors: usize) -> (Ray, Differential) {
     let mut ray = scene.camera.ray(x, y, &Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 });
-    let mut differential = None;
+    let share = scene.camera.footprint(0);
+    let mut footprint = Footprint::Camera(share);
     for _ in 0..mirrors {
         let hit = scene.accel.closest(&ray, &mut scene.accel.traversal());
         let mut look_ups = SampleCounts::default();
-        let met = scene.interaction::<Exact>(&ray, &hit, differential, &mut look_ups);
+        let met = scene.interaction::<Exact>(&ray, &hit, footprint, &mut look_ups);
         let Interaction::Surface(point, _) = met else { panic!("({x}, {y}) meets no surface") };
         let request = shade::mirror_request(&point, Vec3::ONE.into()).expect("a mirror ray");
         let at = (&ray, &hit);
-        differential = Some(scene.mirrored(differential, at, &point, &mut look_ups));
+        footprint = Footprint::Carried(scene.mirrored(footprint, at, &point, &mut look_ups));
         let Line { origin, direction } = request.line;
         ray = Ray::new(origin.into(), direction.into());
     }
-    let camera = scene.camera.differential(ray.direction.into(), scene.camera.footprint());
-    (ray, differential.unwrap_or(camera))
+    let differential = match footprint {
+        Footprint::Camera(share) => scene.camera.differential(ray.direction.into(), share),
+        Footprint::Carried(differential) => differential,
+    };
+    (ray, differential)
 }
 
 /// Of every kind of mirror, from either side, and of another around it: derivatives are the differences of the

@@ -32,7 +32,7 @@ mod instances;
 
 // What needs more memory than is allowed ends with an error, and leaves files as they were.
 mod memory;
-// Renders in parts: who looks on, who ends them early, and samples in blocks.
+// Renders in parts: who looks on, and who ends them early.
 mod parts;
 
 // Files of images: what is written is read again, and what is damaged is refused.
@@ -47,8 +47,10 @@ mod framing;
 // Images agree with formulas worked out here in double precision.
 mod closed_form;
 
-// Error against time: slopes, sweeps that go on, errors that come out as asked for.
+// Error against time: slopes, and sweeps that go on.
 mod accuracy;
+// Renders towards an error or a time: passes add up, and errors come out as asked for.
+mod goals;
 
 // Textures over what rays spread to: against references of many rays, and what they cost.
 mod filtering;

@@ -1,5 +1,4 @@
-//! Renders in parts: who looks on sees the image come together and may end it, and how a pixel's samples are
-//! cut into blocks shows nowhere.
+//! Renders in parts: who looks on sees the image come together and may end it.
 
 use std::collections::BTreeSet;
 use std::sync::Mutex;
@@ -7,7 +6,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde_json::Value;
 use wavecrest_core::film::Film;
-use wavecrest_core::render::units::Blocks;
 use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
 use wavecrest_core::tile::Tile;
 
@@ -103,12 +101,9 @@ fn pixels_of(part: &Rendered) -> impl Iterator<Item = (u32, u32)> {
     part.tiles.iter().flat_map(|tile| (0..tile.len() as u32).map(|index| tile.pixel(index)))
 }
 
-/// The blocks are weighted as their samples are: against another camera of as many rays.
+/// Against another camera of as many rays.
 #[test]
-fn a_pixel_of_several_blocks_is_the_mean_of_all_its_samples() {
-    // Of which the last is shorter.
-    let blocks = Blocks::new(29 * 29);
-    assert_eq!((blocks.count(), blocks.range(2)), (3, 562..841));
+fn a_pixel_is_the_mean_of_all_its_samples() {
     let scene = prepare(&ball([3, 3], 32));
     let one = render_on(1, &prepare(&ball([96, 96], 1)), &options()).film;
     let found = render_on(1, &scene, &options()).film;

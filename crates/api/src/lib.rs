@@ -180,6 +180,8 @@
 //! Functions that can fail return an [`Error`], which names the file, the place in it, the value
 //! found and a remedy; no input makes the library panic.
 
+pub mod goal;
+
 // Errors, warnings, options that have names, and memory.
 pub use wavecrest_base::choice::Choice;
 pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
@@ -199,10 +201,7 @@ pub use wavecrest_scene::{components, hecs, mesh};
 // From a prepared scene to pixels.
 pub use wavecrest_core::counters::Counters;
 pub use wavecrest_core::film::Film;
-pub use wavecrest_core::render::units::Order;
-pub use wavecrest_core::render::{
-    Progress, RenderOptions, Rendered, TracerKind, Watch, render, render_in_order,
-};
+pub use wavecrest_core::render::{Progress, RenderOptions, Rendered, TracerKind, Watch, render};
 pub use wavecrest_core::tile::Tile;
 
 // Layers beside the colours.

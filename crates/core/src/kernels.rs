@@ -26,7 +26,7 @@ pub mod triangle;
 pub(crate) use blinn_phong::{Material, Reflection};
 pub(crate) use camera::Camera;
 pub(crate) use corners::CornerValues;
-pub(crate) use differential::Differential;
+pub(crate) use differential::{Differential, Footprint};
 pub(crate) use disk::Disk;
 pub(crate) use environment::Environment;
 pub(crate) use hemisphere::Hemisphere;

@@ -11,7 +11,7 @@ use glam::Vec3;
 use crate::accel::{Hit, Traversal};
 use crate::counters::{Counters, Sample, TestCounts, each};
 use crate::kernels::{
-    Arithmetic, Hemisphere, Light, LightPoint, ShadingPoint, ShadowRequest, shade,
+    Arithmetic, Footprint, Hemisphere, Light, LightPoint, ShadingPoint, ShadowRequest, shade,
 };
 use crate::math::{Line, Ray, Stream};
 use crate::prepared::{
@@ -153,7 +153,8 @@ impl<P: Arithmetic> Recursive<P> {
         self.counters.rays.primary += 1;
         self.counters.samples.lens += u64::from(scene.camera.has_lens());
         let state = PathState { media: self.start, ..PathState::default() };
-        let first = Branch { ray, throughput: Vec3::ONE, state, differential: None };
+        let footprint = Footprint::Camera(scene.camera.footprint(stream.sample));
+        let first = Branch { ray, throughput: Vec3::ONE, state, footprint };
         let radiance = Vec3::ZERO;
         Path { tracer: self, scene, stream, cancelled, observer, radiance }.follow(first)
     }
@@ -220,7 +221,7 @@ impl<P: Arithmetic, O: Observer> Path<'_, P, O> {
         }
         let look_ups = &mut tracer.counters.samples;
         // By reference: a copy of a shading point takes time.
-        let (end, color) = match &scene.interaction::<P>(&ray, &hit, at.differential, look_ups) {
+        let (end, color) = match &scene.interaction::<P>(&ray, &hit, at.footprint, look_ups) {
             Interaction::Surface(point, class) => return self.shade((&at, &hit), point, class),
             Interaction::Light(color) => (PathEnd::Light, Some(*color)),
             Interaction::Nothing => (PathEnd::Nothing, scene.escaped(ray.direction, &state)),
@@ -268,11 +269,13 @@ impl<P: Arithmetic, O: Observer> Path<'_, P, O> {
     fn mirror(&mut self, (at, hit): (&Branch, &Hit), point: &ShadingPoint<f32>) {
         let (scene, look_ups) = (self.scene, &mut self.tracer.counters.samples);
         let Some((ray, throughput)) = mirror_ray(point, at.throughput) else { return };
-        let differential = scene
-            .carries_differentials()
-            .then(|| scene.mirrored(at.differential, (&at.ray, hit), point, look_ups));
+        let mut footprint = at.footprint;
+        if scene.carries_differentials() {
+            let mirrored = scene.mirrored(footprint, (&at.ray, hit), point, look_ups);
+            footprint = Footprint::Carried(mirrored);
+        }
         let state = at.state.mirrored();
-        self.tracer.waiting.push(Branch { ray, throughput, state, differential });
+        self.tracer.waiting.push(Branch { ray, throughput, state, footprint });
     }
 
     /// Adds the unoccluded contribution of each point of each light, to a path of this throughput that is inside of

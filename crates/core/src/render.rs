@@ -1,6 +1,6 @@
 //! Rendering: cuts an image into tiles, renders them and assembles the film.
 //!
-//! [`units`] defines tiles and sample blocks, [`work`] has the loop and chooses the tracer, and
+//! [`units`] defines tiles, [`work`] has the loop and chooses the tracer, and
 //! [`Canvas`] collects finished tiles. Partial and resumed renders use the same three.
 
 mod backdrop;
@@ -16,7 +16,7 @@ use crate::prepared::PreparedScene;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
 use backdrop::Backdrop;
-use units::{Blocks, Grid, Order};
+use units::{Grid, Order};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use work::{RenderWork, Summed, Task, TaskList};
 
@@ -105,12 +105,12 @@ pub fn render_in_order(
     order: Order,
 ) -> Result<Rendered> {
     let grid = Grid::new(window(scene, options.crop)?, tile_edge(scene, options.batch));
-    let blocks = Blocks::new(scene.camera.rays_per_pixel());
-    let canvas = Canvas::new(grid, blocks, watch)?;
+    let samples = scene.camera.rays_per_pixel();
+    let canvas = Canvas::new(grid, samples, watch)?;
     let step = order.step(grid.len());
     let tile = |number| (number as u64 * u64::from(step) % u64::from(grid.len())) as u32;
-    let task = |number| Task { tile: tile(number), blocks: 0..blocks.count(), sums: None };
-    let tasks = TaskList { grid, blocks, count: grid.len() as usize, task: &task };
+    let task = |number| Task { tile: tile(number), samples: 0..samples, sums: None };
+    let tasks = TaskList { grid, samples, count: grid.len() as usize, task: &task };
     let done = work::run(scene, options, &tasks, watch, &|summed| canvas.keep(summed))?;
     Ok(Rendered::new(canvas.finish(), done))
 }
@@ -160,11 +160,9 @@ pub fn tile_edge(scene: &PreparedScene, batch: usize) -> u32 {
     edge.min(whole).max(EDGES[0])
 }
 
-/// The capacity of a batch for which up to `batch` paths are requested: at most the samples of a
-/// tile's block.
-fn batch_size(scene: &PreparedScene, batch: usize) -> usize {
-    let edge = u64::from(tile_edge(scene, batch));
-    let samples = Blocks::new(scene.camera.rays_per_pixel()).longest;
-    let paths = edge * edge * u64::from(samples);
+/// The capacity of a batch for which up to `batch` paths are requested: at most the samples of a tile.
+fn batch_size(tasks: &TaskList<'_>, batch: usize) -> usize {
+    let edge = u64::from(tasks.grid.edge);
+    let paths = edge * edge * u64::from(tasks.samples);
     paths.min(batch as u64) as usize
 }

@@ -27,8 +27,7 @@ use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::units::Order;
-use wavecrest_core::render::{RenderOptions, Rendered, Watch, render_in_order, window};
+use wavecrest_core::render::{self as core, RenderOptions, Rendered, Watch, window};
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::Seen;
 
@@ -65,20 +64,19 @@ const NOTHING: [f32; 3] = [0.13; 3];
 /// The colour of lines, linear: nearly black.
 const LINE: [f32; 3] = [0.004, 0.004, 0.008];
 
-/// Renders the light of the scene, in this `order`, or the `look` for which it was prepared.
+/// Renders the light of the scene, or the `look` for which it was prepared.
 ///
 /// # Errors
-/// As [`render_in_order`].
+/// As [`core::render`].
 pub fn render(
     scene: &PreparedScene,
     look: Option<Look>,
     options: &RenderOptions,
     watch: &dyn Watch,
-    order: Order,
 ) -> Result<Rendered> {
     let tile = window(scene, options.crop)?;
     let Some(look) = look.filter(|look| !look.is_shaded()) else {
-        let mut rendered = render_in_order(scene, options, watch, order)?;
+        let mut rendered = core::render(scene, options, watch)?;
         if look == Some(Look::Wireframe) && rendered.finished {
             draw_edges(&mut rendered.film, scene, tile, options.seed);
         }
@@ -215,7 +213,7 @@ fn line(camera: &Camera, ray: &Ray, t: f32, corners: &[Vec3]) -> f32 {
     let [a, b, c] = [corners[0], corners[1], corners[2]];
     let Some(normal) = (b - a).cross(c - a).try_normalize() else { return 0.0 };
     let direction = ray.direction.into();
-    let share = 1.0 / f64::from(camera.antialias());
+    let share = 1.0 / (camera.points() as f32).sqrt();
     let steps = camera.differential(direction, share).at(direction, t, normal.into());
     let steps = steps.map(Vec3::from);
     let point = ray.origin + ray.direction * t;

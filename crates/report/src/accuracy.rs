@@ -7,7 +7,6 @@
 //! with intervals ([`crate::summary`]), and [`page`] shows them.
 
 pub mod page;
-pub mod pilot;
 pub mod report;
 pub mod setting;
 pub mod store;

@@ -90,14 +90,6 @@ impl MedianInterval {
     }
 }
 
-/// The mean of `each`, and its standard error.
-pub(crate) fn mean_and_error(each: &[f64]) -> (f64, f64) {
-    let count = each.len() as f64;
-    let mean = each.iter().sum::<f64>() / count;
-    let squares: f64 = each.iter().map(|x| (x - mean) * (x - mean)).sum();
-    (mean, (squares / (count - 1.0).max(1.0) / count).sqrt())
-}
-
 /// The median of `each`; 0 if it is empty.
 pub fn median(each: &[f64]) -> f64 {
     middle(&sorted(each.to_vec()))

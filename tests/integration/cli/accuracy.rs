@@ -38,21 +38,19 @@ fn a_sweep_prints_its_summary_and_keeps_a_folder_for_itself() {
 }
 
 #[test]
-fn a_render_for_an_error_prints_its_choice_and_the_measured_error() {
+fn a_render_for_an_error_tells_its_samples_and_its_error() {
     let folder = with_scene(&soft());
     let arguments = ["ball.json", "out.exr", "--target-error", "0.01", "--stats", "s.json"];
     let said = run_well(folder.path(), &arguments);
-    assert!(
-        said.contains("points on each light: expected error") && said.contains("measured error"),
-        "{said}"
-    );
+    assert!(said.contains(" rays per pixel: error 0.00"), "{said}");
     let goal = json_in(folder.path(), "s.json")["goal"].take();
-    let found = goal["found_error"].as_f64().expect("a number");
-    assert!(found <= 0.01, "{goal}");
-    let left_out = "the aliasing of one ray through the centre of each pixel";
-    assert_eq!(goal["left_out"], json!([left_out]));
-    assert_eq!(
-        run_well(folder.path(), &["ball.json", "out.exr", "--time-budget", "0.5", "-q"]),
-        ""
+    assert!(goal["found_error"].as_f64().is_some_and(|found| found <= 0.01), "{goal}");
+    assert_eq!((&goal["end"], &goal["asked"]["error"]), (&json!("error"), &json!(0.01)));
+    let within = ["ball.json", "out.exr", "--time-budget", "0.5", "--target-error", "1e-9"];
+    let said = run_well(
+        folder.path(),
+        &[&within[..], &["--stats", "s.json", "--crop", "0,0,20,20"]].concat(),
     );
+    assert!(said.contains("the target error 0.000000001 was not reached"), "{said}");
+    assert_eq!(json_in(folder.path(), "s.json")["goal"]["end"], json!("time"));
 }

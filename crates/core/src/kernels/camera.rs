@@ -17,6 +17,10 @@ use crate::math::{Line, Ray, Single, Stream, Vector, both};
 /// pixel, two for its point on the lens.
 pub const DIMENSION: u32 = 0;
 
+/// See [`Camera::footprint`]. Measured: with 4 instead of 1, the error of 8 to 64 rays is 0.6 of what it was where maps fill
+/// the image, and what passes tell of it is right.
+const SHARPER: u32 = 4;
+
 /// The dimension that scrambles the Sobol points of the lens, as [`DIMENSION`] does those of the
 /// pixel. No light uses it.
 const LENS_DIMENSION: u32 = u32::MAX;
@@ -78,8 +82,8 @@ pub struct Camera {
     /// `right` and `up` scaled to half the image at distance 1.
     half: [Vec3; 2],
     size: [u32; 2],
-    /// Side of the grid of rays within a pixel; 1 is the pixel's centre.
-    antialias: u32,
+    /// Number of points within a pixel; 1 is the pixel's centre. A square, if they are jittered.
+    points: u32,
     /// Distribution of the points within a pixel.
     sampling: Sampling,
     lens: Option<Lens>,
@@ -105,7 +109,7 @@ impl Camera {
             forward: forward.as_vec3(),
             half: [(right * half[0]).as_vec3(), (up * half[1]).as_vec3()],
             size: placement.size,
-            antialias,
+            points: antialias * antialias,
             sampling,
             lens,
         }
@@ -113,7 +117,7 @@ impl Camera {
 
     /// The camera at another placement, with the same lens and the same points in the pixel and on the lens.
     pub fn placed(&self, placement: &Placement) -> Self {
-        Self::new(placement, self.antialias, self.sampling, self.lens)
+        Self { points: self.points, ..Self::new(placement, 1, self.sampling, self.lens) }
     }
 
     /// Width and height of the image in pixels.
@@ -133,14 +137,14 @@ impl Camera {
 
     /// Number of rays for each pixel.
     pub fn rays_per_pixel(&self) -> u32 {
-        self.antialias * self.antialias * self.lens_points()
+        self.points * self.lens_points()
     }
 
     /// The camera with other points in the pixel and on the lens, if given.
     pub fn resampled(&self, pixel: Option<Points>, lens: Option<Points>) -> Self {
         let mut camera = *self;
         if let Some(points) = pixel {
-            (camera.antialias, camera.sampling) = (points.side, points.sampling);
+            (camera.points, camera.sampling) = (points.count(), points.sampling);
         }
         if let (Some(points), Some(lens)) = (lens, &mut camera.lens) {
             (lens.sampling, lens.grid) = (points.sampling, [points.side; 2]);
@@ -148,9 +152,16 @@ impl Camera {
         camera
     }
 
-    /// Side of the grid of rays within a pixel.
-    pub fn antialias(&self) -> u32 {
-        self.antialias
+    /// The camera with this number of Sobol points in each pixel, each with one on the lens: the first points of a
+    /// sequence, whatever their number, but for a single one.
+    pub fn in_sequence(&self, points: u32) -> Self {
+        let one = Points { sampling: Sampling::Sobol, side: 1 };
+        Self { points, ..self.resampled(Some(one), Some(one)) }
+    }
+
+    /// Number of points within a pixel.
+    pub fn points(&self) -> u32 {
+        self.points
     }
 
     /// Whether rays use random numbers for points on the lens.
@@ -174,9 +185,9 @@ impl Camera {
     /// the seed.
     #[inline(always)]
     pub fn rays<F: Single>(&self, [x, y]: [F; 2], stream: Stream, streams: [&[u32]; 2]) -> Line<F> {
-        let (token, n) = (x.token(), self.antialias);
+        let (token, n) = (x.token(), self.points.isqrt());
         let mut within = [F::splat(token, 0.5); 2];
-        if n != 1 {
+        if self.points != 1 {
             let draw = Draw { dimension: DIMENSION, first: 0, scramble: DIMENSION, grid: [n, n] };
             let index = |sample| (divide(sample, self.lens_points()).0, sample);
             within = self.sampling.points(token, stream, streams, draw, index);
@@ -209,16 +220,24 @@ impl Camera {
         (forward + right + up).normalize()
     }
 
-    /// The side of the area that stands for a camera ray, as a share of a pixel: one over the number of rays that
-    /// are spread over the pixel, of all if they are.
+    /// The side of the area that stands for the camera ray of a sample, as a share of a pixel: one over the number of rays
+    /// that are spread over the pixel, of all if they are. In a sequence that may go on, the number is the power of two that
+    /// ends the sample's doubling, so that the same sample is the same ray in an image with more; and as what the first ones
+    /// blur stays in the mean of all, where it is soon more than the noise, areas are a fourth of that a side.
     ///
     /// Their distance, one over the root of it, would blur what they tell apart: with more rays that error would fall no
     /// faster than the noise, and hide below it in no measurement.
-    pub fn footprint(&self) -> f64 {
-        if self.antialias == 1 { 1.0 } else { 1.0 / f64::from(self.rays_per_pixel()) }
+    #[inline]
+    pub fn footprint(&self, sample: u32) -> f32 {
+        let rays = match self.sampling {
+            _ if self.points == 1 => 1,
+            Sampling::Sobol => SHARPER * (sample + 1).next_power_of_two(),
+            Sampling::Random | Sampling::Jittered => self.rays_per_pixel(),
+        };
+        1.0 / rays as f32
     }
 
-    /// The differentials of the camera rays in these directions, for a step of this share of a pixel to the right and
+    /// The differentials of the camera rays in these directions, for a step of these shares of a pixel to the right and
     /// one down.
     ///
     /// The differential of a lens ray is taken at a fixed point of the lens. The ray's direction is
@@ -227,16 +246,16 @@ impl Camera {
     /// direction. So f cancels: the derivative is that of a pinhole's ray in the same direction,
     /// and the origin does not change.
     #[inline(always)]
-    pub fn differential<F: Single>(&self, direction: Vector<F>, share: f64) -> Differential<F> {
+    pub fn differential<F: Single>(&self, direction: Vector<F>, share: F) -> Differential<F> {
         let token = direction.x.token();
         let ahead = direction.dot(Vector::splat(token, self.forward));
         let [width, height] = self.size.map(f64::from);
         let [right, up] = self.half.map(|half| half.as_dvec3());
         let changes = both(
-            [right * (2.0 / width * share), up * (-2.0 / height * share)],
+            [right * (2.0 / width), up * (-2.0 / height)],
             #[inline(always)]
             |step| {
-                let step = Vector::splat(token, step.as_vec3());
+                let step = Vector::splat(token, step.as_vec3()).scale(share);
                 let across = step - direction.scale(direction.dot(step));
                 across.scale(ahead)
             },

@@ -27,6 +27,17 @@ pub struct Differential<F = f32> {
     pub direction: [Vector<F>; 2],
 }
 
+/// What is known of the footprint of a ray.
+#[derive(Clone, Copy, Debug)]
+pub enum Footprint {
+    /// Of a camera ray: its share of a pixel ([`Camera::footprint`]). Its differential follows from its direction.
+    ///
+    /// [`Camera::footprint`]: super::camera::Camera::footprint
+    Camera(f32),
+    /// The differential that the ray carries.
+    Carried(Differential),
+}
+
 impl<F: Single> Differential<F> {
     /// The changes of the points at `t` of rays in these directions on surfaces with these geometric
     /// normals, on either side: neighbouring rays meet the plane through the point.

@@ -8,7 +8,7 @@ use super::{Group, GroupHits, PreparedScene, SampleCounts, three};
 use crate::accel::Hit;
 use crate::geometry::ShadingKind;
 use crate::kernels::differential::turn_between;
-use crate::kernels::{Differential, ShadingPoint, shade};
+use crate::kernels::{Differential, Footprint, ShadingPoint, shade};
 use crate::math::{Line, Mask, Ray, Single, Vector, both};
 use crate::plan::schedule::Step;
 
@@ -26,29 +26,34 @@ impl PreparedScene {
     pub(super) fn incoming_differentials<F: Single>(
         &self,
         direction: Vector<F>,
-        carried: &dyn Fn(usize) -> Option<Differential>,
+        footprint: &dyn Fn(usize) -> Footprint,
     ) -> Differential<F> {
-        let mut found = self.camera.differential(direction, self.camera.footprint());
+        let mut shares = direction.x.zero();
         for lane in 0..F::LANES {
-            if let Some(carried) = carried(lane) {
+            if let Footprint::Camera(share) = footprint(lane) {
+                shares.set_lane(lane, share);
+            }
+        }
+        let mut found = self.camera.differential(direction, shares);
+        for lane in 0..F::LANES {
+            if let Footprint::Carried(carried) = footprint(lane) {
                 found.set_lane(lane, &carried);
             }
         }
         found
     }
 
-    /// The differential of the mirror ray at `point`, from that of `ray`, which arrives there with `hit` and has its
-    /// own differential, or that of a camera ray.
+    /// The differential of the mirror ray at `point`, from the footprint of `ray`, which arrives there with `hit`.
     pub fn mirrored(
         &self,
-        carried: Option<Differential>,
+        footprint: Footprint,
         (ray, hit): (&Ray, &Hit),
         point: &ShadingPoint<f32>,
         look_ups: &mut SampleCounts,
     ) -> Differential {
         look_ups.footprints += 1;
         let hits = (self.accel.geometry().kind(hit.primitive), &Line::from(ray), hit.t);
-        self.group(ray, hit).mirrored(self, hits, &|_| carried, point)
+        self.group(ray, hit).mirrored(self, hits, &|_| footprint, point)
     }
 }
 
@@ -60,10 +65,10 @@ impl<F: Single> Group<F> {
         &self,
         scene: &PreparedScene,
         hits: GroupHits<'_, F>,
-        carried: &dyn Fn(usize) -> Option<Differential>,
+        footprint: &dyn Fn(usize) -> Footprint,
         point: &ShadingPoint<F>,
     ) -> Differential<F> {
-        let from = scene.incoming_differentials(hits.1.direction, carried);
+        let from = scene.incoming_differentials(hits.1.direction, footprint);
         let (_, smooth) = shade::mirrored(point.view, point.shading_normal, point.normal);
         self.turned(scene, hits, &from, (point, smooth), None)
     }

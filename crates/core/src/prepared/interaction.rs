@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::{Class, Face, Group, GroupHits, MappedHits, PreparedScene, SampleCounts, three};
 use crate::accel::Hit;
 use crate::geometry::{Geometry, Primitive, ShadingKind};
-use crate::kernels::{Arithmetic, Differential, Reflection, ShadingPoint, SurfacePoint, surface};
+use crate::kernels::{Arithmetic, Footprint, Reflection, ShadingPoint, SurfacePoint, surface};
 use crate::math::{Line, Ray, Single, Vector};
 
 /// The surface interaction of a traced ray.
@@ -74,14 +74,13 @@ impl<F: Single> Group<F> {
     }
 
     /// The shading points at `t` of `line`, of unit direction, on the primitives that were hit.
-    /// `carried` returns the differential of a lane's ray, unless it is a camera ray; it is called only
-    /// if a map needs it.
+    /// The `footprint` of a lane's ray is asked for only if a map needs it.
     #[inline(always)]
     pub fn shading_points<P: Arithmetic>(
         &self,
         hits: GroupHits<'_, F>,
         scene: &PreparedScene,
-        carried: &dyn Fn(usize) -> Option<Differential>,
+        footprint: &dyn Fn(usize) -> Footprint,
         look_ups: &mut SampleCounts,
     ) -> ShadingPoint<F> {
         let (_, line, t) = hits;
@@ -125,8 +124,9 @@ impl<F: Single> Group<F> {
         point.opacity = F::splat(token, class.opacity());
         // Copies, so that the point stays in registers if there are no maps.
         let (mut mapped, surfaces) = (point, surfaces);
-        let carried = Some(carried);
-        let mapped_hits = MappedHits { group: self, surfaces: &surfaces, line, t, scene, carried };
+        let footprint = Some(footprint);
+        let mapped_hits =
+            MappedHits { group: self, surfaces: &surfaces, line, t, scene, footprint };
         F::outlined(
             token,
             #[inline(always)]
@@ -158,15 +158,14 @@ pub fn surface<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Surf
 }
 
 impl PreparedScene {
-    /// The surface interaction of `ray`, of unit direction, with `hit`. It has its own `differential`,
-    /// or that of a camera ray.
+    /// The surface interaction of `ray`, of unit direction and with this `footprint`, with `hit`.
     // Not inlined: a call for each hit costs nothing, a copy some 10 KB.
     #[inline(never)]
     pub fn interaction<P: Arithmetic>(
         &self,
         ray: &Ray,
         hit: &Hit,
-        differential: Option<Differential>,
+        footprint: Footprint,
         look_ups: &mut SampleCounts,
     ) -> Interaction<'_> {
         if hit.is_miss() {
@@ -180,7 +179,7 @@ impl PreparedScene {
         let (kind, line) = (self.accel.geometry().kind(hit.primitive), Line::from(ray));
         let group = self.group_on(ray, hit, index);
         let hits = (kind, &line, hit.t);
-        let point = group.shading_points::<P>(hits, self, &|_| differential, look_ups);
+        let point = group.shading_points::<P>(hits, self, &|_| footprint, look_ups);
         let class = self.appearance.class(shape);
         group.count(class, look_ups);
         Interaction::Surface(point, class)

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use glam::{Mat3, Vec3};
 
-use super::maps::{Carried, MappedHits};
+use super::maps::{FootprintOf, MappedHits};
 use super::{Class, Coordinates, SampleCounts, Texture, UvMap, three};
 use crate::accel::prefetch;
 use crate::kernels::differential::uv_change;
@@ -79,9 +79,9 @@ impl<'a, F: Single> LookUp<'a, F> {
         let Texture { image, filter, coordinates, .. } = texture;
         let uv = self.coordinates(coordinates);
         let image = self.hits.scene.appearance.images[*image as usize].usable();
-        let level = match (image, self.hits.carried) {
-            (Some(image), Some(carried)) if *filter == Filter::Trilinear => {
-                let level = self.level(image, coordinates, carried);
+        let level = match (image, self.hits.footprint) {
+            (Some(image), Some(footprint)) if *filter == Filter::Trilinear => {
+                let level = self.level(image, coordinates, footprint);
                 level.ne(level.zero()).any().then_some(level)
             }
             _ => None,
@@ -136,7 +136,7 @@ impl<'a, F: Single> LookUp<'a, F> {
     /// The changes of texture coordinates from one sample to the next. Not finite where those of the
     /// points are not.
     #[inline(always)]
-    fn footprint(&mut self, of: &'a Coordinates, carried: Carried<'_>) -> [[F; 2]; 2] {
+    fn footprint(&mut self, of: &'a Coordinates, rays: FootprintOf<'_>) -> [[F; 2]; 2] {
         if let Some((known, footprint)) = self.footprint
             && known == of
         {
@@ -147,7 +147,7 @@ impl<'a, F: Single> LookUp<'a, F> {
         let steps = match self.steps {
             Some(steps) => steps,
             None => {
-                let differential = scene.incoming_differentials(line.direction, carried);
+                let differential = scene.incoming_differentials(line.direction, rays);
                 differential.at(line.direction, t, surfaces.normal)
             }
         };
@@ -188,8 +188,8 @@ impl<'a, F: Single> LookUp<'a, F> {
     }
 
     #[inline(always)]
-    fn level(&mut self, image: &Image, of: &'a Coordinates, carried: Carried<'_>) -> F {
-        let footprint = self.footprint(of, carried);
+    fn level(&mut self, image: &Image, of: &'a Coordinates, rays: FootprintOf<'_>) -> F {
+        let footprint = self.footprint(of, rays);
         let size = [image.width, image.height, image.coarsest()];
         if let Some((known, level)) = self.level
             && known == size

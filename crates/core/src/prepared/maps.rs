@@ -7,12 +7,12 @@ use super::look_up::{LookUp, turned_by};
 use super::{Class, Group, PreparedScene, SampleCounts, Texture, UvMap, three};
 use crate::kernels::metal::{self, MetalParameters};
 use crate::kernels::texture::sphere_directions;
-use crate::kernels::{Differential, Reflection, ShadingPoint, SurfacePoint, surface};
+use crate::kernels::{Footprint, Reflection, ShadingPoint, SurfacePoint, surface};
 use crate::math::vector::set;
 use crate::math::{Line, Single, Vector, both};
 
-/// Returns the differential of the ray in a lane, unless it is a camera ray.
-pub(super) type Carried<'a> = &'a dyn Fn(usize) -> Option<Differential>;
+/// Returns the footprint of the ray in a lane.
+pub(super) type FootprintOf<'a> = &'a dyn Fn(usize) -> Footprint;
 
 /// A group of hits at which maps are looked up.
 pub(super) struct MappedHits<'a, F: Single> {
@@ -25,8 +25,8 @@ pub(super) struct MappedHits<'a, F: Single> {
     /// Their t.
     pub(super) t: F,
     pub(super) scene: &'a PreparedScene,
-    /// Their differentials; `None` for rays without width, which see the finest level of every image.
-    pub(super) carried: Option<Carried<'a>>,
+    /// Their footprints; `None` for rays without width, which see the finest level of every image.
+    pub(super) footprint: Option<FootprintOf<'a>>,
 }
 
 impl<'a, F: Single> MappedHits<'a, F> {

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{MediumStack, PreparedScene};
 use crate::accel::Hit;
 use crate::geometry::Geometry;
-use crate::kernels::Differential;
+use crate::kernels::Footprint;
 use crate::math::Ray;
 use crate::plan::Effect;
 use crate::plan::schedule::Step;
@@ -48,8 +48,8 @@ pub struct Branch {
     pub throughput: Vec3,
     /// What it went through.
     pub state: PathState,
-    /// Its differential; that of a camera ray follows from its direction.
-    pub differential: Option<Differential>,
+    /// Its footprint; without a meaning if rays carry none.
+    pub footprint: Footprint,
 }
 
 impl Branch {

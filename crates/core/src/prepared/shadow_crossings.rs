@@ -203,7 +203,7 @@ impl ShadowCrossings {
             constant
         } else {
             let mapped_hits =
-                MappedHits { group, surfaces: &surfaces, line, t, scene, carried: None };
+                MappedHits { group, surfaces: &surfaces, line, t, scene, footprint: None };
             F::outlined(
                 token,
                 #[inline(always)]

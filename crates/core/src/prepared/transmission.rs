@@ -10,7 +10,9 @@ use super::{
     Branch, Group, GroupHits, Interface, InterfaceHit, PathState, PreparedScene, SampleCounts,
 };
 use crate::accel::{Hit, Traversal};
-use crate::kernels::{Arithmetic, Differential, Refracted, ShadingPoint, Transparency, shade};
+use crate::kernels::{
+    Arithmetic, Differential, Footprint, Refracted, ShadingPoint, Transparency, shade,
+};
 use crate::math::{LANES, Line, Mask, Ray, Single, Vector, set_bits};
 
 impl PreparedScene {
@@ -38,7 +40,7 @@ impl PreparedScene {
         if self.carries_differentials() {
             let (group, kind) = (self.group(&ray, hit), self.accel.geometry().kind(hit.primitive));
             let hits = (kind, meeting.line, hit.t);
-            scattered.turn(&group, hits, self, &|_| incoming.differential, (point, look_ups));
+            scattered.turn(&group, hits, self, &|_| incoming.footprint, (point, look_ups));
         }
         let branch = |rays: &ScatteredRays<f32>| (rays.asked == 1).then(|| rays.branch(0));
         (scattered.own.into(), scattered.rays.each_ref().map(branch))
@@ -103,9 +105,10 @@ impl<F: Single> ScatteredRays<F> {
     #[inline(always)]
     pub fn branch(&self, lane: usize) -> Branch {
         let ray = Ray { t_min: self.t_min.lane(lane), ..self.line.ray(lane) };
-        let differential = self.differential.map(|of| of.lane(lane));
+        let carried = |of: Differential<F>| Footprint::Carried(of.lane(lane));
+        let footprint = self.differential.map_or(Footprint::Camera(1.0), carried);
         let (throughput, state) = (self.throughput.lane(lane), self.states[lane]);
-        Branch { ray, throughput, state, differential }
+        Branch { ray, throughput, state, footprint }
     }
 }
 
@@ -285,16 +288,16 @@ impl<F: Single> Scattered<F> {
         group: &Group<F>,
         hits: GroupHits<'_, F>,
         scene: &PreparedScene,
-        carried: &dyn Fn(usize) -> Option<Differential>,
+        footprint: &dyn Fn(usize) -> Footprint,
         (point, look_ups): (&ShadingPoint<F>, &mut SampleCounts),
     ) {
-        let from = scene.incoming_differentials(hits.1.direction, carried);
+        let from = scene.incoming_differentials(hits.1.direction, footprint);
         let [mirrored, refracted, straight] = &mut self.rays;
         let bent = refracted.asked & !self.unbent;
         look_ups.footprints += u64::from(mirrored.asked.count_ones() + bent.count_ones());
         [mirrored.differential, refracted.differential, straight.differential] = [Some(from); 3];
         if mirrored.asked != 0 {
-            mirrored.differential = Some(group.mirrored(scene, hits, carried, point));
+            mirrored.differential = Some(group.mirrored(scene, hits, footprint, point));
         }
         if bent != 0 {
             let Refracted { direction, ratio, smooth, .. } = self.refracted;

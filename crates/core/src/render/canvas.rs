@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::{Blocks, Grid, Summed, Watch};
+use super::{Grid, Summed, Watch};
 use crate::film::Film;
 use crate::tile::Tile;
 use wavecrest_base::error::Result;
@@ -10,7 +10,8 @@ use wavecrest_base::error::Result;
 /// A film for a grid's window, and its finished tiles.
 pub struct Canvas<'a> {
     grid: Grid,
-    blocks: Blocks,
+    /// The number of samples of a finished pixel.
+    samples: u32,
     watch: &'a dyn Watch,
     painted: Mutex<Painted>,
 }
@@ -26,25 +27,22 @@ pub struct Painted {
 }
 
 impl<'a> Canvas<'a> {
-    /// A black canvas. `watch` receives tiles and progress.
+    /// A black canvas for an image of so many `samples` in each pixel. `watch` receives tiles and progress.
     ///
     /// # Errors
     /// If there is no memory for the film.
-    pub fn new(grid: Grid, blocks: Blocks, watch: &'a dyn Watch) -> Result<Self> {
+    pub fn new(grid: Grid, samples: u32, watch: &'a dyn Watch) -> Result<Self> {
         let film = Film::new(grid.window.width, grid.window.height)?;
         let painted = Mutex::new(Painted { film, tiles: Vec::new(), pixels: 0 });
-        Ok(Self { grid, blocks, watch, painted })
+        Ok(Self { grid, samples, watch, painted })
     }
 
-    /// Writes a tile to the film, if all its blocks are finished.
+    /// Writes a tile to the film, if it has all its samples.
     pub fn keep(&self, summed: &Summed<'_>) {
-        if summed.blocks != (0..self.blocks.count()) {
+        if summed.samples != self.samples {
             return;
         }
-        let tile = self.grid.tile(summed.tile);
-        let samples = f64::from(self.blocks.samples);
-        let mean = |sum: &[f64; 3]| sum.map(|s| (s / samples) as f32);
-        let means: Vec<[f32; 3]> = summed.sums.iter().map(mean).collect();
+        let (tile, means) = (self.grid.tile(summed.tile), summed.means());
         self.watch.tile(&tile, &means);
         let mut painted = self.painted.lock().unwrap_or_else(PoisonError::into_inner);
         let window = self.grid.window;

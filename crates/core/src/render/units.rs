@@ -1,48 +1,6 @@
-//! The units of a render: tiles of the image, and blocks of the samples of a pixel.
-//!
-//! Each block is summed separately, and a pixel's blocks are added in order. So several processes,
-//! in turn or at once, can each render some blocks, and the image is the same to the last bit. The
-//! limits of blocks depend only on the number of samples, as they decide the rounding of sums.
-
-use std::ops::Range;
+//! The units of a render: tiles of the image.
 
 use crate::tile::Tile;
-
-/// Smallest number of samples in a block, if there are several: enough for the overhead of a block
-/// not to matter.
-const LEAST_SAMPLES: u32 = 256;
-
-/// Largest number of blocks of a pixel.
-const MOST_BLOCKS: u32 = 64;
-
-/// A pixel's samples, cut into blocks of equal length except for the last.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Blocks {
-    /// The number of samples of the pixel.
-    pub samples: u32,
-    /// The number of samples in the longest block.
-    pub longest: u32,
-}
-
-impl Blocks {
-    /// The blocks of a pixel with this number of `samples`, at least one.
-    pub fn new(samples: u32) -> Self {
-        let samples = samples.max(1);
-        let count = (samples / LEAST_SAMPLES).clamp(1, MOST_BLOCKS);
-        Self { samples, longest: samples.div_ceil(count) }
-    }
-
-    /// The number of blocks, 1 to 64.
-    pub fn count(&self) -> u32 {
-        self.samples.div_ceil(self.longest)
-    }
-
-    /// The samples of a block, by number.
-    pub fn range(&self, block: u32) -> Range<u32> {
-        let start = (block * self.longest).min(self.samples);
-        start..(start + self.longest).min(self.samples)
-    }
-}
 
 /// A rectangle of the image, cut into square tiles, numbered row by row. Tiles at its right and
 /// bottom edges may be smaller.
@@ -137,23 +95,5 @@ mod tests {
                 assert!(is_fair || order == Order::Rows, "{count}: {upper} of {eighth}");
             }
         }
-    }
-
-    #[test]
-    fn blocks_follow_each_other_and_are_long_and_few() {
-        for samples in (1..2000).chain([16_384, 16_385, 40_000, 1 << 24]) {
-            let blocks = Blocks::new(samples);
-            let mut next = 0;
-            for block in 0..blocks.count() {
-                let range = blocks.range(block);
-                assert_eq!(range.start, next);
-                assert!(!range.is_empty() && range.len() as u32 <= blocks.longest);
-                next = range.end;
-            }
-            assert_eq!(next, samples);
-            assert!(blocks.count() <= MOST_BLOCKS);
-            assert!(blocks.count() == 1 || blocks.longest >= LEAST_SAMPLES);
-        }
-        assert_eq!([1, 511, 512, 1 << 24].map(|n| Blocks::new(n).count()), [1, 1, 2, 64]);
     }
 }

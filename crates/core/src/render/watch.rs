@@ -9,8 +9,11 @@ pub trait Watch: Sync {
     fn progress(&self, _done: u64, _all: u64) {}
 
     /// A tile is finished, with the means of its pixels in linear colour, row by row. Tiles come in
-    /// any order, each once.
+    /// any order, each once in a pass.
     fn tile(&self, _tile: &Tile, _pixels: &[[f32; 3]]) {}
+
+    /// A pass over the image is finished: the number of samples of each pixel, and the error if it is known.
+    fn pass(&self, _samples: u32, _error: Option<f64>) {}
 
     /// Whether to stop rendering: called before each tile, and within it after a batch
     /// or some thousand rays.

@@ -1,10 +1,10 @@
 //! The loop over all work on all threads, each with its own tracer.
 
-use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::Instant;
 
-use super::{Backdrop, Blocks, Grid, RenderOptions, TracerKind, Watch, batch_size};
+use super::{Backdrop, Grid, RenderOptions, TracerKind, Watch, batch_size};
 use crate::counters::Counters;
 use crate::kernels::Precision;
 use crate::prepared::PreparedScene;
@@ -16,42 +16,52 @@ use wavecrest_base::error::Result;
 use wavecrest_base::memory::Stage;
 use wavecrest_base::parallel::with_state;
 
-/// Blocks of samples to render for the pixels of a tile.
+/// Samples to render for the pixels of a tile.
 #[derive(Clone, Debug)]
 pub struct Task {
     /// The tile's number in the grid.
     pub tile: u32,
-    /// The blocks. If they do not start with the first and there are no `sums`, there is only one.
-    pub blocks: Range<u32>,
-    /// For each pixel of the tile, the sum of the blocks before these; all their samples were
-    /// finite.
-    pub sums: Option<Vec<[f64; 3]>>,
+    /// The samples.
+    pub samples: Range<u32>,
+    /// For each pixel of the tile, the sum of all samples before these; none if these are the first.
+    pub sums: Option<Arc<[[f64; 3]]>>,
 }
 
-/// The rendered blocks of a tile so far, with their sum for each pixel, row by row.
+/// The samples of a tile so far, with their sum for each pixel, row by row.
 #[derive(Clone, Debug)]
 pub struct Summed<'a> {
     /// The tile's number in the grid.
     pub tile: u32,
-    /// The blocks: all up to some block, or a single one.
-    pub blocks: Range<u32>,
-    /// Number of their samples that were not finite.
+    /// The number of samples of each pixel.
+    pub samples: u32,
+    /// How many of those of this render were not finite.
     pub invalid: u64,
     /// Their sums.
-    pub sums: Cow<'a, [[f64; 3]]>,
+    pub sums: &'a [[f64; 3]],
+}
+
+impl Summed<'_> {
+    /// The mean of each pixel.
+    pub fn means(&self) -> Vec<[f32; 3]> {
+        let samples = f64::from(self.samples);
+        self.sums.iter().map(|sum| sum.map(|s| (s / samples) as f32)).collect()
+    }
 }
 
 /// The work to render: `count` tasks, by number.
 pub struct TaskList<'a> {
     /// The tiles.
     pub grid: Grid,
-    /// The blocks of each pixel.
-    pub blocks: Blocks,
+    /// The largest number of samples of a task.
+    pub samples: u32,
     /// Number of tasks.
     pub count: usize,
-    /// The task with this number. No two tasks share a block of a tile.
+    /// The task with this number. No two tasks have the same tile.
     pub task: &'a (dyn Fn(usize) -> Task + Sync),
 }
+
+/// Number of samples of a pixel after which the state of a tile is passed on: enough for that not to matter.
+const STRIDE: u32 = 256;
 
 /// The work of a render.
 #[derive(Clone, Debug)]
@@ -68,8 +78,33 @@ pub struct RenderWork {
     pub precision: Precision,
 }
 
-/// Renders `tasks` on the threads of the current pool, and passes the state of a tile to `keep` after
-/// each block. `watch` may end it early.
+impl RenderWork {
+    /// The work to add nothing to an image of `scene`.
+    pub fn none(scene: &PreparedScene) -> Self {
+        gather(Vec::new(), Instant::now(), scene.accel.geometry().precision)
+    }
+
+    /// Adds the work of a further pass.
+    pub fn add(&mut self, other: Self) {
+        self.counters += other.counters;
+        self.columns = self.columns.max(other.columns);
+        self.seconds += other.seconds;
+        add_seconds(&mut self.pass_seconds, other.pass_seconds);
+    }
+}
+
+/// Adds the seconds of passes, by their order.
+fn add_seconds(all: &mut Vec<(&'static str, f64)>, more: Vec<(&'static str, f64)>) {
+    for (index, (name, seconds)) in more.into_iter().enumerate() {
+        match all.get_mut(index) {
+            Some(sum) => sum.1 += seconds,
+            None => all.push((name, seconds)),
+        }
+    }
+}
+
+/// Renders `tasks` on the threads of the current pool, and passes the state of a tile to `keep` at its end, and now and
+/// then before. `watch` may end it early.
 ///
 /// # Errors
 /// If an image cannot be decoded.
@@ -83,7 +118,7 @@ pub fn run(
     Stage::Trace.begin();
     let start = Instant::now();
     let backdrop = Backdrop::of(scene);
-    let options = RenderOptions { batch: batch_size(scene, options.batch), ..*options };
+    let options = RenderOptions { batch: batch_size(tasks, options.batch), ..*options };
     let worker = || Worker::new(tracer(scene, &options), tasks);
     let workers = with_state(0..tasks.count, worker, |worker, number| {
         if !watch.cancelled() && scene.appearance.check().is_ok() {
@@ -98,64 +133,44 @@ pub fn run(
 struct Worker {
     tracer: Box<dyn Tracer>,
     sums: Vec<[f64; 3]>,
-    /// The sums of the current block, if there are several.
-    block: Vec<[f64; 3]>,
 }
 
 impl Worker {
     fn new(tracer: Box<dyn Tracer>, tasks: &TaskList<'_>) -> Self {
-        let pixels = tasks.grid.edge as usize * tasks.grid.edge as usize;
-        let block = if tasks.blocks.count() > 1 { pixels } else { 0 };
-        Self { tracer, sums: vec![[0.0; 3]; pixels], block: vec![[0.0; 3]; block] }
+        Self { tracer, sums: vec![[0.0; 3]; tasks.grid.edge as usize * tasks.grid.edge as usize] }
     }
 
     fn render(
         &mut self,
         backdrop: &Backdrop<'_>,
         tasks: &TaskList<'_>,
-        task: &Task,
+        Task { tile: number, samples, sums: before }: &Task,
         watch: &dyn Watch,
         keep: &(dyn Fn(&Summed<'_>) + Sync),
     ) {
-        let tile = tasks.grid.tile(task.tile);
-        let Self { tracer, sums, block } = self;
-        let sums = &mut sums[..tile.len()];
-        let first = match &task.sums {
-            Some(before) => {
-                sums.copy_from_slice(before);
-                0
-            }
-            None => task.blocks.start,
-        };
+        let (tile, tracer) = (tasks.grid.tile(*number), &mut self.tracer);
+        let sums = &mut self.sums[..tile.len()];
+        match before {
+            Some(before) => sums.copy_from_slice(before),
+            None => sums.fill([0.0; 3]),
+        }
         let invalid = tracer.counters().invalid;
         let is_backdrop = backdrop.fills(&tile);
-        for number in task.blocks.clone() {
-            // The loop over tasks has checked before the first block.
-            if number > task.blocks.start && watch.cancelled() {
+        for start in samples.clone().step_by(STRIDE as usize) {
+            // The loop over tasks has checked before the first ones.
+            if start > samples.start && watch.cancelled() {
                 return;
             }
-            let unit = Unit { tile, samples: tasks.blocks.range(number) };
-            let own = if number == first { &mut *sums } else { &mut block[..tile.len()] };
-            own.fill([0.0; 3]);
+            let end = samples.end.min(start.saturating_add(STRIDE));
+            let unit = Unit { tile, samples: start..end };
             if is_backdrop {
-                backdrop.add(&unit, own);
-            } else if !tracer.render(backdrop.scene, &unit, own, &|| watch.cancelled()) {
+                backdrop.add(&unit, sums);
+            } else if !tracer.render(backdrop.scene, &unit, sums, &|| watch.cancelled()) {
                 return;
-            }
-            if number != first {
-                add(sums, &block[..tile.len()]);
             }
             let invalid = tracer.counters().invalid - invalid;
-            let (blocks, sums) = (first..number + 1, Cow::Borrowed(&*sums));
-            keep(&Summed { tile: task.tile, blocks, invalid, sums });
+            keep(&Summed { tile: *number, samples: end, invalid, sums });
         }
-    }
-}
-
-/// Adds a block to the blocks before it.
-pub fn add(sums: &mut [[f64; 3]], block: &[[f64; 3]]) {
-    for (sum, value) in sums.as_flattened_mut().iter_mut().zip(block.as_flattened()) {
-        *sum += value;
     }
 }
 
@@ -176,12 +191,7 @@ fn gather(workers: Vec<Worker>, start: Instant, precision: Precision) -> RenderW
     for Worker { tracer, .. } in workers {
         counters += tracer.counters();
         columns += tracer.bytes();
-        for (index, (name, seconds)) in tracer.pass_seconds().into_iter().enumerate() {
-            match pass_seconds.get_mut(index) {
-                Some(sum) => sum.1 += seconds,
-                None => pass_seconds.push((name, seconds)),
-            }
-        }
+        add_seconds(&mut pass_seconds, tracer.pass_seconds());
     }
     let seconds = start.elapsed().as_secs_f64();
     RenderWork { counters, columns, pass_seconds, seconds, precision }

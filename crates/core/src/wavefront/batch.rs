@@ -13,7 +13,7 @@ mod lit;
 use glam::Vec3;
 
 use crate::accel::{Hit, RayColumns, Rays as AllRays};
-use crate::kernels::Differential;
+use crate::kernels::{Differential, Footprint};
 use crate::math::{LANES, Line, Mask, Ray, Single, Vector, set_bits};
 use crate::plan::schedule::ColumnGroup;
 use crate::prepared::{MediumStack, PreparedScene, ScatteredRays, ShadowCrossings};
@@ -274,7 +274,7 @@ impl Batch {
                 self.next.provide();
                 self.next.push(&branch.ray, branch.throughput, path);
                 self.next_carried.push_state(branch.state, branch.ray.t_min);
-                if let Some(differential) = branch.differential {
+                if let Footprint::Carried(differential) = branch.footprint {
                     self.next_carried.push_differential(differential);
                 }
             }

@@ -8,11 +8,11 @@ mod scatter;
 use glam::Vec3;
 
 use super::batch::is_row;
-use super::{GROUPS, SortedHits, Wavefront, faces};
+use super::{Batch, GROUPS, SortedHits, Wavefront, faces};
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::geometry::ShadingKind;
 use crate::kernels::shade::mirror_request;
-use crate::kernels::{Arithmetic, Differential, MirrorRequest, ShadingPoint};
+use crate::kernels::{Arithmetic, Footprint, MirrorRequest, ShadingPoint};
 use crate::math::{AnyWidth, LANES, Line, Mask, Single, Vector, dispatch_any_width, set_bits};
 use crate::plan::schedule::Step;
 use crate::prepared::{Face, Group, PathState, PreparedScene, SampleCounts};
@@ -278,9 +278,9 @@ impl<P: Arithmetic> Shade<'_, P> {
         let t = self.distances::<F>(token, kind, &numbers);
         group.count(group.class(&self.scene.appearance), &mut self.tracer.counters.samples);
         let mut look_ups = SampleCounts::default();
-        let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
+        let footprint = |lane: usize| self.footprint(numbers[lane] as usize);
         let hits = (kind, &line, t);
-        let point = group.shading_points::<P>(hits, self.scene, &carried, &mut look_ups);
+        let point = group.shading_points::<P>(hits, self.scene, &footprint, &mut look_ups);
         self.tracer.counters.samples += look_ups;
         Shaded { group, kind, line, t, numbers, path, throughput, point }
     }
@@ -329,12 +329,12 @@ impl<P: Arithmetic> Shade<'_, P> {
         let MirrorRequest { line: mirrored, throughput, asked } = next;
         self.tracer.batch.next.push_lanes(&mirrored, throughput, asked, path);
         if self.differentials {
-            let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
+            let footprint = |lane: usize| self.footprint(numbers[lane] as usize);
             let (hits, scene) = ((*kind, line, *t), self.scene);
             let mirrored = F::outlined(
                 token,
                 #[inline(always)]
-                || group.mirrored(scene, hits, &carried, point),
+                || group.mirrored(scene, hits, &footprint, point),
             );
             let asked = asked.bits();
             self.tracer.counters.samples.footprints += u64::from(asked.count_ones());
@@ -383,9 +383,13 @@ impl<P: Arithmetic> Shade<'_, P> {
         })
     }
 
-    /// The differential of the ray with that number, unless it is a camera ray.
+    /// The footprint of the ray with that number.
     #[inline(always)]
-    fn carried_differential(&self, ray: usize) -> Option<Differential> {
-        (self.bounce > 0 && self.differentials).then(|| self.tracer.batch.carried.differential(ray))
+    fn footprint(&self, ray: usize) -> Footprint {
+        let Batch { paths, rays, carried, .. } = &self.tracer.batch;
+        if self.bounce > 0 && self.differentials {
+            return Footprint::Carried(carried.differential(ray));
+        }
+        Footprint::Camera(self.scene.camera.footprint(paths.sample[rays.path[ray] as usize]))
     }
 }

@@ -8,7 +8,7 @@ use crate::metadata::Entry;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::checked_pixel_count;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::units::{Blocks, Grid};
+use wavecrest_core::render::units::Grid;
 use wavecrest_core::render::{RenderOptions, tile_edge, window};
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -16,6 +16,9 @@ use wavecrest_core::wavefront::DEFAULT_BATCH;
 /// With fewer tiles than this, tiles are made smaller, so that many machines can share a small
 /// image.
 const MIN_TILES: u32 = 1024;
+
+/// The same for passes, each of which waits for the last tile of the one before.
+const LEAST_TILES: u32 = 128;
 
 /// The possible sides of a tile in pixels, which suit the tracers' order of pixels.
 const EDGES: [u32; 4] = [8, 16, 32, 64];
@@ -61,7 +64,7 @@ impl Identity {
             window: [x, y, width, height],
             samples: scene.camera.rays_per_pixel(),
             seed: options.seed,
-            edge: edge(scene, [width, height]),
+            edge: edge(tile_edge(scene, DEFAULT_BATCH), MIN_TILES, [width, height]),
             scene: format!("{:032x}", scene.fingerprint()),
         })
     }
@@ -92,9 +95,11 @@ impl Identity {
         Grid::new(Tile { x, y, width, height }, self.edge)
     }
 
-    /// The blocks of a pixel's samples.
-    pub fn blocks(&self) -> Blocks {
-        Blocks::new(self.samples)
+    /// The same image in [passes](super::Passes), which may have few samples: larger tiles fill a batch with them.
+    #[must_use]
+    pub(super) fn of_passes(self) -> Self {
+        let [.., width, height] = self.window;
+        Self { edge: edge(EDGES[3], LEAST_TILES, [width, height]), ..self }
     }
 
     /// Checks that this identity, of `file`, is the `other`, which is that of the `owner`; `than` is what it then differs from,
@@ -168,12 +173,10 @@ impl Identity {
     }
 }
 
-/// The side of a tile: it fills a batch of the default size, and is smaller if there would be few
-/// tiles.
-fn edge(scene: &PreparedScene, [width, height]: [u32; 2]) -> u32 {
-    let usual = tile_edge(scene, DEFAULT_BATCH);
+/// The side of a tile: up to the `usual` one, and smaller if there would be fewer than so many tiles.
+fn edge(usual: u32, least_tiles: u32, [width, height]: [u32; 2]) -> u32 {
     let window = Tile { x: 0, y: 0, width, height };
     let fits = |edge: &&u32| **edge <= usual;
     let mut edges = EDGES.iter().rev().filter(fits).copied();
-    edges.find(|edge| Grid::new(window, *edge).len() >= MIN_TILES).unwrap_or(EDGES[0])
+    edges.find(|edge| Grid::new(window, *edge).len() >= least_tiles).unwrap_or(EDGES[0])
 }

@@ -1,10 +1,8 @@
 //! Merges parts into an image, if they belong to the same image and are complete.
 //!
-//! Parts are read in turn, in any order, unit by unit. Blocks wait for those before them, as they are added in order; a
-//! tile is painted when it has all.
+//! Parts are read in turn, in any order, unit by unit.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use xxhash_rust::xxh3::xxh3_64;
@@ -17,7 +15,6 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::Film;
 use wavecrest_core::render::Canvas;
 use wavecrest_core::render::units::Grid;
-use wavecrest_core::render::work::add;
 use wavecrest_core::tile::Tile;
 
 /// Largest number of shards in a message.
@@ -54,26 +51,25 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
         shards.push(other.shard);
         held += length;
     }
-    let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
+    let (grid, samples) = (header.identity.grid(), header.identity.samples);
     // Allocate only an image that the parts can fill, whatever size they claim.
     let pixels = grid.window.len() as u64;
     if held < pixels * size_of::<[f64; 3]>() as u64 {
         return Err(incomplete(&shards, format!("{held} bytes of parts for {pixels} pixels")));
     }
     let mut mosaic = Mosaic {
-        canvas: Canvas::new(grid, blocks, &())?,
+        canvas: Canvas::new(grid, samples, &())?,
         paths,
         grid,
-        blocks: blocks.count(),
-        units: BTreeMap::new(),
-        waiting: BTreeMap::new(),
+        samples,
+        known: BTreeMap::new(),
         invalid: 0,
     };
     for (number, path) in paths.iter().enumerate() {
         let mut reader = PartReader::open(path)?;
         check_same(path, &reader.header, first, &header)?;
         while let Some(unit) = reader.next_unit()? {
-            mosaic.put(number, unit)?;
+            mosaic.put(number, &unit)?;
         }
     }
     let invalid = mosaic.invalid;
@@ -129,57 +125,31 @@ struct Mosaic<'a> {
     canvas: Canvas<'static>,
     paths: &'a [PathBuf],
     grid: Grid,
-    /// The number of blocks of a tile.
-    blocks: u32,
-    /// The units so far, by tile and first block: the end of their blocks (exclusive), the hash of
-    /// their sums, and the number of their part.
-    units: BTreeMap<(u32, u32), (u32, u64, usize)>,
-    /// The units of each unfinished tile, by first block: one with all blocks that follow each other from the first on, and
-    /// later ones.
-    waiting: BTreeMap<u32, BTreeMap<u32, StoredUnit>>,
+    /// The number of samples of a pixel.
+    samples: u32,
+    /// The tiles so far: the hash of their sums, and the number of their part.
+    known: BTreeMap<u32, (u64, usize)>,
     invalid: u64,
 }
 
 impl Mosaic<'_> {
-    /// Adds a unit of the `number`th part.
-    fn put(&mut self, number: usize, unit: StoredUnit) -> Result<()> {
-        if self.is_known(number, &unit)? {
+    /// Adds a unit of the `number`th part, if it has all samples.
+    fn put(&mut self, number: usize, unit: &StoredUnit) -> Result<()> {
+        let hash = xxh3_64(bytemuck::cast_slice(&unit.sums));
+        if unit.samples < self.samples {
             return Ok(());
         }
-        self.invalid += unit.invalid;
-        let waiting = self.waiting.entry(unit.tile).or_default();
-        waiting.insert(unit.blocks.start, unit);
-        let Some(mut first) = waiting.remove(&0) else { return Ok(()) };
-        while let Some(next) = waiting.remove(&first.blocks.end) {
-            add(first.sums.to_mut(), &next.sums);
-            first.blocks.end = next.blocks.end;
-        }
-        if first.blocks.end == self.blocks {
-            self.canvas.keep(&first);
-            self.waiting.remove(&first.tile);
-        } else {
-            waiting.insert(0, first);
+        match self.known.insert(unit.tile, (hash, number)) {
+            Some((other, part)) if other != hash => {
+                return Err(self.conflict(number, part, unit.tile, "it differs from"));
+            }
+            Some(_) => {}
+            None => {
+                self.invalid += unit.invalid;
+                self.canvas.keep(&unit.summed());
+            }
         }
         Ok(())
-    }
-
-    /// Whether the same unit was read already, to the last bit; records it if not.
-    fn is_known(&mut self, number: usize, unit: &StoredUnit) -> Result<bool> {
-        let (tile, Range { start, end }) = (unit.tile, unit.blocks.clone());
-        let hash = xxh3_64(bytemuck::cast_slice(&unit.sums));
-        let others = self.units.range((tile, 0)..(tile, end));
-        let Some((&(_, from), &(to, known, part))) = others.rev().find(|(_, unit)| unit.0 > start)
-        else {
-            self.units.insert((tile, start), (end, hash, number));
-            return Ok(false);
-        };
-        if (from, to) != (start, end) {
-            return Err(self.conflict(number, part, tile, "it overlaps"));
-        }
-        if hash != known {
-            return Err(self.conflict(number, part, tile, "it differs from"));
-        }
-        Ok(true)
     }
 
     fn conflict(&self, number: usize, other: usize, tile: u32, how: &str) -> Error {

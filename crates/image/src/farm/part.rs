@@ -3,12 +3,12 @@
 //! | bytes | content |
 //! |---|---|
 //! | 8 | `WAVEPART` |
-//! | 4 | the format's version, 2 |
+//! | 4 | the format's version, 3 |
 //! | 4 | the length of the header |
 //! | ... | the [`PartHeader`], in JSON |
 //! | 8 | the hash of everything above |
-//! | | then for each unit, in the order of tiles and, within a tile, of blocks: |
-//! | 4, 4, 4, 4 | tile, first block, end of the blocks (exclusive), number of pixels |
+//! | | then for each unit, in the order of tiles and, within a tile, of samples: |
+//! | 4, 4, 4 | tile, number of samples of each pixel, number of pixels |
 //! | 8 | samples that were not finite |
 //! | 24 for each pixel | the sums, row by row: red, green and blue, as 64-bit floats |
 //! | 8 | the hash of the unit, seeded with that of the header |
@@ -18,8 +18,8 @@
 
 use std::fs::File;
 use std::io::{BufReader, ErrorKind as IoKind, Read, Write};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64_with_seed;
@@ -36,13 +36,13 @@ use wavecrest_core::render::work::Summed;
 const MAGIC: &[u8; 8] = b"WAVEPART";
 
 /// The format's version.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Largest header in bytes: the system limits a command line to 2 MiB.
 const MAX_HEADER_BYTES: u32 = 4 << 20;
 
 /// Bytes of a unit without its sums.
-const UNIT_BYTES: u64 = 4 * 4 + 8 + 8;
+const UNIT_BYTES: u64 = 3 * 4 + 8 + 8;
 
 /// The origin of a render, recorded in its files.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,7 +56,7 @@ pub struct Author {
 }
 
 /// The header of a part.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartHeader {
     /// The image that it belongs to.
     pub identity: Identity,
@@ -65,12 +65,47 @@ pub struct PartHeader {
     /// Its origin.
     #[serde(flatten)]
     pub author: Author,
+    /// The passes so far.
+    pub pass: Pass,
     /// Number of units in the file.
     pub units: u64,
 }
 
-/// A unit as it is stored, with a tile of [`Identity::grid`].
-pub type StoredUnit = Summed<'static>;
+/// The passes of a render so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Pass {
+    /// The number of samples of each pixel after the last finished pass.
+    pub from: u32,
+    /// That after the pass that is begun; the same if none is.
+    pub to: u32,
+    /// The error of the image after the last finished pass, if it is known: root mean squared error of linear values.
+    pub error: Option<f64>,
+    /// The number of samples after the last pass that doubled it.
+    pub half: u32,
+    /// The error then, and half of the difference between the first half of these samples and the second.
+    pub half_error: Option<[f64; 2]>,
+}
+
+/// The samples of a tile of [`Identity::grid`] so far.
+#[derive(Clone, Debug)]
+pub struct StoredUnit {
+    /// The tile's number.
+    pub tile: u32,
+    /// The number of samples of each pixel.
+    pub samples: u32,
+    /// How many of them were not finite.
+    pub invalid: u64,
+    /// Their sum for each pixel, row by row.
+    pub sums: Arc<[[f64; 3]]>,
+}
+
+impl StoredUnit {
+    /// The same, borrowed.
+    pub(super) fn summed(&self) -> Summed<'_> {
+        let Self { tile, samples, invalid, ref sums } = *self;
+        Summed { tile, samples, invalid, sums }
+    }
+}
 
 /// Writes a part with these units, in order, or leaves the file at `path` unchanged.
 ///
@@ -99,8 +134,8 @@ fn put(sink: &mut Sink<'_>, path: &Path, seed: u64, bytes: &[u8]) -> Result<u64>
     written.map(|()| hash).map_err(|error| write_error(path, error))
 }
 
-fn unit_bytes(Summed { tile, blocks, invalid, sums }: &StoredUnit) -> Vec<u8> {
-    let numbers = [*tile, blocks.start, blocks.end, sums.len() as u32];
+fn unit_bytes(StoredUnit { tile, samples, invalid, sums }: &StoredUnit) -> Vec<u8> {
+    let numbers = [*tile, *samples, sums.len() as u32];
     let mut bytes = numbers.map(u32::to_le_bytes).concat();
     bytes.extend(invalid.to_le_bytes());
     bytes.extend(sums.as_flattened().iter().flat_map(|sum| sum.to_le_bytes()));
@@ -119,7 +154,7 @@ pub struct PartReader {
     /// The hash of the header.
     seed: u64,
     read: u64,
-    /// The start of the last unit, and its last block.
+    /// The tile of the last unit, and its number of samples.
     last: Option<(u32, u32)>,
 }
 
@@ -138,6 +173,10 @@ impl PartReader {
         let mut file = BufReader::new(file);
         let (header, seed) = header(&mut file, length)?;
         header.identity.check()?;
+        let Pass { half, from, to, .. } = header.pass;
+        if half > from || from > to || to > header.identity.samples {
+            return Err(damaged("its numbers of samples are wrong"));
+        }
         Ok(Self { path: path.to_owned(), header, length, file, seed, read: 0, last: None })
     }
 
@@ -160,30 +199,31 @@ impl PartReader {
             };
         }
         let mut bytes = Vec::new();
-        extend(&mut self.file, &mut bytes, 4 * 4 + 8)?;
-        let [tile, first, end, pixels] = [0, 1, 2, 3].map(|n| number(&bytes, n));
-        let invalid = long(&bytes, 2);
-        let length = self.length(tile, first..end, pixels)?;
+        extend(&mut self.file, &mut bytes, 3 * 4)?;
+        let [tile, samples, pixels] = [0, 1, 2].map(|n| number(&bytes, n));
+        let length = self.length(tile, samples, pixels)?;
+        extend(&mut self.file, &mut bytes, 8)?;
+        let invalid = long(&bytes[3 * 4..], 0);
         let start = bytes.len();
         extend(&mut self.file, &mut bytes, length * size_of::<[f64; 3]>())?;
         check_hash(&mut self.file, &bytes, self.seed)?;
         let sum = |bytes: &[u8]| [0, 1, 2].map(|n| f64::from_bits(long(bytes, n)));
         let sums = bytes[start..].chunks_exact(size_of::<[f64; 3]>()).map(sum).collect();
         self.read += 1;
-        self.last = Some((tile, end));
-        Ok(Some(Summed { tile, blocks: first..end, invalid, sums }))
+        self.last = Some((tile, samples));
+        Ok(Some(StoredUnit { tile, samples, invalid, sums }))
     }
 
     /// The number of pixels of a unit, if such a unit is possible at this place.
-    fn length(&self, tile: u32, blocks: Range<u32>, pixels: u32) -> Result<usize> {
-        let follows = self.last.is_none_or(|(last, end)| (last, end) <= (tile, blocks.start));
-        let is_one = blocks.start == 0 || blocks.len() == 1;
-        let (grid, all) = (self.header.identity.grid(), self.header.identity.blocks().count());
-        if tile >= grid.len() || blocks.is_empty() || blocks.end > all {
+    fn length(&self, tile: u32, samples: u32, pixels: u32) -> Result<usize> {
+        let follows = self.last.is_none_or(|last| last < (tile, samples));
+        let PartHeader { identity, pass, .. } = &self.header;
+        let grid = identity.grid();
+        if tile >= grid.len() || samples == 0 || samples > pass.to {
             return Err(damaged("there is no such unit in its image"));
         }
         let length = grid.tile(tile).len();
-        if !follows || !is_one || pixels as usize != length {
+        if !follows || pixels as usize != length {
             return Err(damaged("a unit is malformed"));
         }
         Ok(length)

@@ -2,19 +2,14 @@
 //!
 //! Tiles are ordered along a Z-order curve, so that neighbours in the order are close together, and
 //! dealt in turn. So every shard has a tile in each part of the image: equal shares of the easy and
-//! the hard parts. If there are few tiles, the blocks of their samples are dealt instead.
+//! the hard parts.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use wavecrest_core::render::units::{Blocks, Grid};
-use wavecrest_core::render::work::Task;
-
-/// Smallest number of tiles for each shard if whole tiles are dealt: then no shard exceeds its
-/// share by more than a quarter.
-const MIN_TILES_PER_SHARD: u64 = 4;
+use wavecrest_core::render::units::Grid;
 
 /// One of several equal shares of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,20 +37,14 @@ impl Shard {
         self.count
     }
 
-    /// Its share of an image, in the order of tiles and blocks.
-    pub fn tasks(self, grid: &Grid, blocks: Blocks) -> Vec<Task> {
+    /// Its share of the tiles of an image, in order.
+    pub fn tiles(self, grid: &Grid) -> Vec<u32> {
         let mut tiles: Vec<u32> = (0..grid.len()).collect();
         tiles.sort_by_key(|tile| along_z(tile % grid.columns(), tile / grid.columns()));
-        let are_few = (tiles.len() as u64) < MIN_TILES_PER_SHARD * u64::from(self.count);
-        let step = if are_few && self.count > 1 { 1 } else { blocks.count() };
-        let units = tiles.into_iter().flat_map(|tile| {
-            let starts = (0..blocks.count()).step_by(step as usize);
-            starts.map(move |start| Task { tile, blocks: start..start + step, sums: None })
-        });
         let (first, count) = (self.number as usize - 1, self.count as usize);
-        let mut tasks: Vec<Task> = units.skip(first).step_by(count).collect();
-        tasks.sort_by_key(|task| (task.tile, task.blocks.start));
-        tasks
+        let mut own: Vec<u32> = tiles.into_iter().skip(first).step_by(count).collect();
+        own.sort_unstable();
+        own
     }
 }
 

@@ -130,7 +130,7 @@ impl Facts {
         Self {
             has_textures: !scene.appearance.images.is_empty(),
             has_lens: scene.camera.has_lens(),
-            is_antialiased: scene.camera.antialias() > 1,
+            is_antialiased: scene.camera.points() > 1,
             lights: PLACES[usize::from(has(true))][usize::from(has(false))],
             bounces: scene.bounces,
         }

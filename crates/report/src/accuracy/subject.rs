@@ -12,7 +12,6 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use super::pilot::variance;
 use super::setting::{Axis, CountedSetting, Facts, Family, Setting, Truth, converges, families};
 use super::store::{Record, ReferenceRecord, SceneRecord, Store, records_of};
 use super::{OnProgress, SweepProgress};
@@ -279,6 +278,18 @@ fn mean(films: &[Film]) -> Result<Film> {
         *value = (each.sum::<f64>() / films.len() as f64) as f32;
     }
     Ok(mean)
+}
+
+/// The variance of a value between images of one size: the mean over all their values.
+fn variance(films: &[Film]) -> f64 {
+    let n = films.len() as f64;
+    let values = films.first().map_or(0, |film| film.pixels().len() * 3);
+    let of = |index: usize| {
+        let each = || films.iter().map(move |film| f64::from(film.pixels().as_flattened()[index]));
+        let mean = each().sum::<f64>() / n;
+        each().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (n - 1.0)
+    };
+    (0..values).map(of).sum::<f64>() / values.max(1) as f64
 }
 
 /// The setting of the reference of `target`, and the number of points of each kind in the scene: at

@@ -92,13 +92,14 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::kernels::Footprint;
     use crate::math::Ray;
     use crate::prepared::PathState;
 
     fn branch(bounces: u32, faint: bool) -> Branch {
         let ray = Ray::new(Vec3::ZERO, Vec3::Z);
         let state = PathState { bounces, faint, ..PathState::default() };
-        Branch { ray, throughput: Vec3::ONE, state, differential: None }
+        Branch { ray, throughput: Vec3::ONE, state, footprint: Footprint::Camera(1.0) }
     }
 
     /// As on the stack of the recursive tracer, in memory that is used again.

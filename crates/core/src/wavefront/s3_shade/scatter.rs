@@ -25,9 +25,9 @@ impl<P: Arithmetic> Shade<'_, P> {
             meeting.scatter::<P>(self.scene, transparency, &mut self.tracer.traversal);
         if self.differentials {
             let mut look_ups = SampleCounts::default();
-            let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
+            let footprint = |lane: usize| self.footprint(numbers[lane] as usize);
             let hits = (kind, line, shaded.t);
-            scattered.turn(group, hits, self.scene, &carried, (point, &mut look_ups));
+            scattered.turn(group, hits, self.scene, &footprint, (point, &mut look_ups));
             self.tracer.counters.samples += look_ups;
         }
         self.send(token, &scattered, (used, &shaded.path));

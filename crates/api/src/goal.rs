@@ -1,0 +1,290 @@
+//! Renders towards a goal: an error, a time, or whichever comes first.
+//!
+//! Every pixel gets the first points of one Sobol sequence, in passes over the whole image that double their number.
+//! Nothing is predicted but the time of the next pass, and nothing is rendered twice: the image after each pass has the
+//! bits of a render with that many samples, and its error follows from the pass and what was before ([`Passes`]).
+//! Lights keep the points that the file gives them.
+
+use std::path::Path;
+use std::time::Instant;
+
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_core::film::Film;
+use wavecrest_core::kernels::camera::Camera;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::work::RenderWork;
+use wavecrest_core::render::{RenderOptions, Rendered, Watch};
+use wavecrest_core::tile::Tile;
+use wavecrest_image::farm::checkpoint::Checkpoint;
+use wavecrest_image::farm::{Author, Pass, Passes};
+
+/// The largest number of samples of a pixel that a goal may take.
+pub const MOST_SAMPLES: u32 = 1 << 14;
+
+/// The fewest samples whose error is believed, and of an error of 0: something rare may be in none of them.
+const LEAST: u32 = 4;
+const LEAST_EQUAL: u32 = 16;
+
+/// The parts of a doubling of which the last passes have one or more.
+const PARTS: u32 = 8;
+
+/// The share of the remaining time to plan a pass for: one that is not finished is lost, and what is left is for smaller
+/// ones.
+const PLANNED: f64 = 0.88;
+
+/// What is kept of a time for the end of the process, as a share and in seconds.
+const KEPT: [f64; 2] = [0.01, 0.005];
+
+/// Possible slopes of the error: -1/2 for independent points; none fall faster than with the power
+/// -3/2 of their number.
+const SLOPES: [f64; 2] = [-1.5, -0.5];
+
+/// What ends a render; without any of it, the most samples that there may be.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Goal {
+    /// An error of the image: root mean squared error of linear values.
+    pub error: Option<f64>,
+    /// Seconds, and from when they count.
+    pub seconds: Option<(f64, Instant)>,
+}
+
+/// What a render towards a goal is done with.
+pub struct Job<'a> {
+    /// Receives tiles, progress and finished passes, and may end it.
+    pub watch: &'a dyn Watch,
+    /// Receives failures of the checkpoint, which do not end it.
+    pub warn: &'a (dyn Fn(&Error) + Sync),
+    /// Measures, with the image of one sample, what is to be done after the last: see [`Ending`].
+    pub ending: &'a dyn Fn(&PreparedScene, &Film) -> Result<Ending>,
+}
+
+impl<'a> Job<'a> {
+    /// A render without a checkpoint that needs no time after its last sample.
+    pub fn new(watch: &'a dyn Watch) -> Self {
+        let ending = &|_: &PreparedScene, _: &Film| Ok(Ending::default());
+        Self { watch, warn: &|_| {}, ending }
+    }
+}
+
+/// The seconds that are needed after the last sample: for files, and for each sample, for layers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ending {
+    /// In any case.
+    pub fixed: f64,
+    /// For each sample of each pixel.
+    pub each: f64,
+}
+
+/// Why a render ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum End {
+    /// Its error is small enough.
+    Error,
+    /// There is no time for more.
+    Time,
+    /// It has the most samples.
+    Samples,
+    /// `watch` ended it.
+    Cancelled,
+}
+
+/// A render that has come to its end.
+#[derive(Clone, Debug)]
+pub struct Reached {
+    /// The image.
+    pub rendered: Rendered,
+    /// The samples of each pixel; 0 if the first pass is not finished.
+    pub samples: u32,
+    /// Its error, if it has two samples or more.
+    pub error: Option<f64>,
+    /// Why it ended.
+    pub end: End,
+    /// The passes that this render finished, and their seconds.
+    pub passes: u32,
+    /// See there.
+    pub seconds: f64,
+    /// The share of the last pass that a checkpoint held.
+    pub resumed: f64,
+}
+
+impl Goal {
+    /// The passes of a render of `scene`, kept in a checkpoint if there is one, with this origin.
+    ///
+    /// # Errors
+    /// If the crop is not within the image, or the checkpoint cannot be used.
+    pub fn passes(
+        scene: &mut PreparedScene,
+        options: RenderOptions,
+        (checkpoint, author): (Option<Checkpoint>, Author),
+    ) -> Result<Passes> {
+        let own = scene.camera;
+        scene.camera = own.in_sequence(MOST_SAMPLES);
+        let passes = Passes::begin(scene, options, author, None, (checkpoint, true));
+        scene.camera = own;
+        passes
+    }
+
+    /// Renders `scene` in [`Self::passes`]. Its camera then has the samples of the image, so that its layers have the same.
+    ///
+    /// # Errors
+    /// If there is no memory for the image, an image cannot be decoded, or `job.ending` fails.
+    pub fn render(
+        &self,
+        scene: &mut PreparedScene,
+        passes: &Passes,
+        job: &Job<'_>,
+    ) -> Result<Reached> {
+        let camera = scene.camera;
+        scene.camera = camera.in_sequence(MOST_SAMPLES);
+        let reached = Pursuit { goal: self, job, camera, passes }.follow(scene);
+        scene.camera = camera.in_sequence(passes.pass().from.max(1));
+        passes.save(job.warn);
+        reached
+    }
+
+    /// Whether the image is good enough.
+    fn is_reached(&self, Pass { from, error, .. }: Pass) -> bool {
+        let (Some(target), Some(error)) = (self.error, error) else { return false };
+        error <= target && from >= if error > 0.0 { LEAST } else { LEAST_EQUAL }
+    }
+
+    /// The warning that an error of the image of `file` was not reached, if one was asked for.
+    pub fn unreached(&self, reached: &Reached, file: &Path) -> Option<Warning> {
+        let target = self.error.filter(|_| reached.end != End::Error)?;
+        let found = reached.error.map_or("unknown".to_owned(), |error| format!("{error:.3e}"));
+        let message = format!("the target error {target} was not reached: it is {found}");
+        let remedy = match reached.end {
+            End::Samples => "choose a larger error: there are no more samples",
+            _ => "choose a larger error, or give more time",
+        };
+        let error = Error::new(ErrorKind::Usage, message).in_file(file).remedy(remedy);
+        Some(Warning::from_error(&error))
+    }
+}
+
+/// The passes of a render.
+struct Pursuit<'a> {
+    goal: &'a Goal,
+    job: &'a Job<'a>,
+    /// The scene's own.
+    camera: Camera,
+    passes: &'a Passes,
+}
+
+impl Pursuit<'_> {
+    fn follow(&self, scene: &mut PreparedScene) -> Result<Reached> {
+        let resumed = self.passes.resumed().unwrap_or_default();
+        let (mut work, mut count, mut all) = (None::<RenderWork>, 0, 0.0);
+        let (mut ending, mut pace, mut slope) = (Ending::default(), None, SLOPES[1]);
+        let end = loop {
+            let pass = self.passes.pass();
+            let left = self.left(&ending, pass.from);
+            let next = if pass.to > pass.from {
+                Ok(pass.to)
+            } else {
+                next(self.goal, pass, slope, pace.map(|seconds: f64| left / seconds))
+            };
+            let to = match next {
+                Ok(to) => to,
+                Err(end) => break end,
+            };
+            // The first pass makes an image at least.
+            let left = if pass.from == 0 { f64::INFINITY } else { left };
+            let start = Instant::now();
+            let until = Until { watch: self.job.watch, start, left };
+            let done = self.passes.advance(scene, to, &until, self.job.warn)?;
+            let seconds = start.elapsed().as_secs_f64();
+            match &mut work {
+                Some(work) => work.add(done),
+                None => work = Some(done),
+            }
+            let now = self.passes.pass();
+            if now.from < to {
+                let is_cancelled = self.job.watch.cancelled();
+                break if is_cancelled { End::Cancelled } else { End::Time };
+            }
+            (count, all) = (count + 1, all + seconds);
+            pace = Some(seconds / f64::from(to - pass.from));
+            if let (Some(before), Some(error)) = (pass.error, now.error) {
+                let more = f64::from(to) / f64::from(pass.from);
+                let ratio = libm::log(error / before) / libm::log(more);
+                slope = if ratio.is_finite() { ratio.clamp(SLOPES[0], SLOPES[1]) } else { slope };
+            }
+            self.job.watch.pass(now.from, now.error);
+            if pass.from == 0 && self.goal.seconds.is_some() {
+                let of_all = std::mem::replace(&mut scene.camera, self.camera.in_sequence(1));
+                let measured = (self.job.ending)(scene, &self.passes.painted()?.film);
+                scene.camera = of_all;
+                ending = measured?;
+            }
+        };
+        let Pass { from: samples, error, .. } = self.passes.pass();
+        let work = work.unwrap_or_else(|| RenderWork::none(scene));
+        let rendered = Rendered::new(self.passes.painted()?, work);
+        Ok(Reached { rendered, samples, error, end, passes: count, seconds: all, resumed })
+    }
+
+    /// The seconds that are left for passes after this number of samples.
+    fn left(&self, ending: &Ending, samples: u32) -> f64 {
+        let Some((seconds, start)) = self.goal.seconds else { return f64::INFINITY };
+        let last = ending.fixed + ending.each * f64::from(samples);
+        seconds * (1.0 - KEPT[0]) - KEPT[1] - last - start.elapsed().as_secs_f64()
+    }
+}
+
+/// The number of samples after the next pass, of which there is time for so many more; or why there is none.
+fn next(
+    goal: &Goal,
+    pass: Pass,
+    slope: f64,
+    affordable: Option<f64>,
+) -> std::result::Result<u32, End> {
+    let Pass { from, error, .. } = pass;
+    if from == 0 {
+        return Ok(1);
+    }
+    if goal.is_reached(pass) {
+        return Err(End::Error);
+    }
+    if from >= MOST_SAMPLES {
+        return Err(End::Samples);
+    }
+    let doubled = (from + 1).next_power_of_two();
+    let step = (doubled / 2 / PARTS).max(1);
+    let steps = |samples: f64| (samples / f64::from(step)).clamp(0.0, f64::from(PARTS)) as u32;
+    let mut more = doubled - from;
+    if let (Some(target), Some(error)) = (goal.error, error)
+        && from >= LEAST
+        && error > target
+    {
+        let wanted = f64::from(from) * (libm::pow(target / error, 1.0 / slope) - 1.0);
+        more = more.min(step * steps(wanted + f64::from(step)).max(1));
+    }
+    if goal.seconds.is_some() {
+        more = more.min(step * steps(PLANNED * affordable.unwrap_or(f64::INFINITY)));
+    }
+    if more == 0 { Err(End::Time) } else { Ok(from + more) }
+}
+
+/// Ends a pass at the end of its time.
+struct Until<'a> {
+    watch: &'a dyn Watch,
+    start: Instant,
+    /// The seconds from then.
+    left: f64,
+}
+
+impl Watch for Until<'_> {
+    fn progress(&self, done: u64, all: u64) {
+        self.watch.progress(done, all);
+    }
+
+    fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
+        self.watch.tile(tile, pixels);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.watch.cancelled() || self.start.elapsed().as_secs_f64() > self.left
+    }
+}
