@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::common::{
-    SearchOptions, choice, command_words, not_negative, print, tell, tell_prepared, to_json, whole,
-    with_bar, write_text,
+    SearchOptions, choice, command_words, not_negative, print, tell, to_json, whole, with_bar,
+    write_text,
 };
-use super::input::{SceneOptions, Shown};
+use super::input::SceneOptions;
+use wavecrest_api::session::{self as api, Session};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{Listed, check_differs, check_replaceable, make_folder};
 use wavecrest_core::accel::build::Preset;
@@ -179,18 +180,13 @@ const RUNS: &str = "{wide_bar} {pos} of {len} runs, {eta} left";
 
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSetting)> {
     let start = Instant::now();
-    let loaded = args.scene_options.load(path, None, &[])?;
-    let extracted = args.scene_options.extract(loaded, Shown::default())?;
     // Neither tracer should wait for an image.
-    extracted.scene().appearance.decode()?;
-    let load = start.elapsed().as_secs_f64();
-    let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset().at_once());
+    let usual = args.scene_options.preparing(Some(&args.search));
+    let options = api::SceneOptions { at_once: true, ..usual };
+    let session = args.scene_options.session(path, &options, |_| Ok(()))?;
+    let Session { scene, preset, seconds: [_, build], .. } = session;
+    let time = Preparation { load: start.elapsed().as_secs_f64() - build, build };
     let batch = args.batch as usize;
-    let start = Instant::now();
-    let mut scene = extracted.build(preset);
-    let time = Preparation { load, build: start.elapsed().as_secs_f64() };
-    tell_prepared(&scene, path, args.scene_options.quiet);
-    args.search.apply(&mut scene.accel);
     let name = path.display().to_string();
     let SearchOptions { simd, kernel } = args.search;
     let seed = args.seed;
@@ -259,11 +255,10 @@ fn prepare_effect(args: &BenchArgs, variant: SceneVariant, folder: &Path) -> Res
     let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
     // Warnings would be about built-in scenes.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
-    let extracted = args.scene_options.extract(loaded, Shown::default())?;
-    extracted.scene().appearance.decode()?;
-    // The same for all, so that no effect has a better tree.
-    let preset = args.scene_options.bvh.unwrap_or(Preset::Medium);
-    let mut scene = extracted.build(preset);
-    args.search.apply(&mut scene.accel);
+    let usual = args.scene_options.preparing(Some(&args.search));
+    // The same tree for all, so that no effect has a better one.
+    let bvh = usual.bvh.or(Some(Preset::Medium));
+    let options = api::SceneOptions { at_once: true, bvh, ..usual };
+    let Session { scene, .. } = Session::of(loaded, &options, |_| Ok(()))?;
     Ok(EffectScene { variant, scene })
 }

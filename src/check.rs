@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-use super::common::{print, rounded, tell_prepared};
-use super::input::{SceneOptions, Shown};
+use super::common::{print, rounded};
+use super::input::SceneOptions;
+use wavecrest_api::session::{self as api, Session};
 use wavecrest_base::error::Result;
 use wavecrest_base::read::open;
 use wavecrest_base::words::{Size, counted};
@@ -16,6 +17,7 @@ use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_scene::components::Ground;
 use wavecrest_scene::hecs::Entity;
+use wavecrest_scene::load::LoadedScene;
 use wavecrest_scene::systems::bounds;
 
 /// Check a scene with all its meshes and textures, and list its contents.
@@ -34,19 +36,19 @@ pub(crate) struct CheckArgs {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let mut loaded = args.scene_options.load(&args.scene, None, &[])?;
-        // The contents are those of the file.
-        let grounds = loaded.world.query_mut::<(Entity, &Ground)>().into_iter();
-        let ground = grounds.map(|(entity, _)| entity).next();
-        let _ = ground.map(|ground| loaded.world.despawn(ground));
-        let files = [std::slice::from_ref(&args.scene), &loaded.files].concat();
-        // Every file is read, whether or not the image needs it.
-        let shown = Shown { all: true, ..Shown::default() };
-        let extracted = args.scene_options.extract(loaded, shown)?;
-        extracted.scene().appearance.decode()?;
-        // For the few test rays of warnings.
-        let scene = extracted.build(Preset::OnDemand);
-        tell_prepared(&scene, &args.scene, args.scene_options.quiet);
+        let mut files = vec![args.scene.clone()];
+        let contents = |loaded: &mut LoadedScene| {
+            // The contents are those of the file.
+            let grounds = loaded.world.query_mut::<(Entity, &Ground)>().into_iter();
+            let ground = grounds.map(|(entity, _)| entity).next();
+            let _ = ground.map(|ground| loaded.world.despawn(ground));
+            files.append(&mut loaded.files);
+            Ok(())
+        };
+        // Every file is read, whether or not the image needs it; the tree is for the few test rays of warnings.
+        let (usual, bvh) = (args.scene_options.preparing(None), Some(Preset::OnDemand));
+        let options = api::SceneOptions { all: true, at_once: true, bvh, ..usual };
+        let Session { scene, .. } = args.scene_options.session(&args.scene, &options, contents)?;
         let mut lines = summary(&scene);
         let line = |file: &PathBuf| ("file", format!("{}{}", file.display(), bytes_of(file)));
         lines.extend(files.iter().map(line));

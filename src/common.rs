@@ -16,12 +16,10 @@ use wavecrest_base::choice::Choice;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::lock;
 use wavecrest_base::words;
-use wavecrest_core::accel::{Accel, KernelChoice};
+use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
-use wavecrest_core::prepared::PreparedScene;
 pub(crate) use wavecrest_report::files::{to_json, write_text};
-use wavecrest_scene::systems;
 
 /// Sections of the help, in the order of their first options.
 pub(crate) const IMAGE: &str = "Image";
@@ -54,14 +52,6 @@ impl SearchOptions {
         }
         Err(Error::new(ErrorKind::Usage, "the kernel `reference` is exact, not fast")
             .remedy("leave out --precision fast, or use --kernel single"))
-    }
-
-    /// Applies the options to `accel`.
-    pub(crate) fn apply(&self, accel: &mut Accel) {
-        accel.kernel = self.kernel;
-        if let Some(level) = self.simd.token() {
-            accel.level = level;
-        }
     }
 }
 
@@ -134,15 +124,11 @@ pub(crate) fn tell_last(line: &str) {
 /// The bars, one below the other.
 static BARS: LazyLock<MultiProgress> = LazyLock::new(MultiProgress::new);
 
-/// Prints warnings, and notes unless `quiet`.
-pub(crate) fn tell_all(warnings: &[Warning], notes: &[Warning], quiet: bool) {
-    warn(warnings);
+/// Prints warnings, and notes unless `quiet`; they are then told.
+pub(crate) fn tell_all(warnings: &mut Vec<Warning>, notes: &mut Vec<Warning>, quiet: bool) {
+    warn(&std::mem::take(warnings));
+    let notes = std::mem::take(notes);
     notes.iter().filter(|_| !quiet).for_each(|note| tell_of("note", note));
-}
-
-/// Prints the warnings of the prepared scene of `file`, and its notes unless `quiet`.
-pub(crate) fn tell_prepared(scene: &PreparedScene, file: &Path, quiet: bool) {
-    tell_all(&systems::warnings(scene, file), systems::note(scene, file).as_slice(), quiet);
 }
 
 /// Prints warnings.

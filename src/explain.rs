@@ -7,8 +7,9 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::common::{grouped, known, print, rounded, seconds, tell_prepared, to_json, whole};
-use super::input::{SceneOptions, Shown};
+use super::common::{grouped, known, print, rounded, seconds, to_json, whole};
+use super::input::SceneOptions;
+use wavecrest_api::session::Session;
 use wavecrest_base::error::Result;
 use wavecrest_base::memory;
 use wavecrest_base::words::{Size, counted};
@@ -21,7 +22,6 @@ use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_report::expected::Expected;
-use wavecrest_scene::systems::Extracted;
 
 /// Explain which passes a render runs and why, measure its memory once prepared, and estimate its rays and time.
 ///
@@ -106,14 +106,11 @@ struct ColumnMemory {
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
         let start = Instant::now();
-        let loaded = args.scene_options.load(&args.scene, None, &[])?;
-        let extracted = args.scene_options.extract(loaded, Shown::default())?;
-        let load = start.elapsed().as_secs_f64();
-        let bvh = choice(&extracted, args.scene_options.bvh);
-        let start = Instant::now();
-        let scene = &extracted.build(bvh.preset);
-        let build = start.elapsed().as_secs_f64();
-        tell_prepared(scene, &args.scene, args.scene_options.quiet);
+        let options = args.scene_options.preparing(None);
+        let session = args.scene_options.session(&args.scene, &options, |_| Ok(()))?;
+        let (scene, build) = (&session.scene, session.seconds[1]);
+        let load = start.elapsed().as_secs_f64() - build;
+        let bvh = choice(&session, args.scene_options.bvh);
         let options = RenderOptions { batch: args.batch as usize, ..RenderOptions::default() };
         let expected = Expected::of(scene, &options)?;
         let process = memory::process();
@@ -210,18 +207,17 @@ fn buffers(scene: &PreparedScene) -> Vec<ColumnMemory> {
     ColumnGroup::ALL.into_iter().map(buffer).collect()
 }
 
-fn choice(extracted: &Extracted, requested: Option<Preset>) -> BvhChoice {
+fn choice(Session { scene, preset, .. }: &Session, requested: Option<Preset>) -> BvhChoice {
     if let Some(preset) = requested {
         return BvhChoice { preset, reason: "chosen with --bvh".to_owned(), rule: None };
     }
-    let (primitives, rays) =
-        (extracted.geometry().held() as u64, extracted.scene().expected_rays());
+    let (primitives, rays) = (scene.accel.geometry().held() as u64, scene.expected_rays());
     let some = match primitives {
         1 => "1 primitive".to_owned(),
         n => format!("{} primitives", grouped(n)),
     };
     BvhChoice {
-        preset: extracted.preset(),
+        preset: *preset,
         reason: format!("{some}, up to {} rays", grouped(rays)),
         rule: Some(Preset::reason(primitives, rays)),
     }

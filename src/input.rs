@@ -8,23 +8,21 @@ use glam::DVec3;
 
 use crate::allocator;
 use crate::common::{
-    FILES, FRAMES, IMAGE, SPEED, Threads, VIEW, choice, number, numbers, tell_all, whole,
-    with_names,
+    FILES, FRAMES, IMAGE, SPEED, SearchOptions, Threads, VIEW, choice, number, numbers, tell_all,
+    whole, with_names,
 };
 use crate::progress::{Display, Style};
+use wavecrest_api::session::{self as api, Session};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
-use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_image::look::Look;
-use wavecrest_image::write::Develop;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{
     FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load,
 };
-use wavecrest_scene::systems::{self, Extracted, looks};
 
 /// Options of every command that reads a scene, a glTF file or a mesh.
 #[derive(Clone, Debug, clap::Args)]
@@ -216,19 +214,31 @@ pub(crate) struct SceneOptions {
 }
 
 impl SceneOptions {
-    /// Loads `scene`, which none of the `outputs` may be a part of, and prints its warnings.
-    pub(crate) fn load(
+    /// How the scene is prepared, and searched.
+    pub(crate) fn preparing(&self, search: Option<&SearchOptions>) -> api::SceneOptions {
+        let usual = api::SceneOptions::default();
+        let (kernel, level) =
+            search.map_or((usual.kernel, usual.level), |search| (search.kernel, search.simd));
+        let Self { precision, bvh, flatten: flat, .. } = *self;
+        api::SceneOptions { precision, bvh, flat, kernel, level, ..usual }
+    }
+
+    /// Reads and prepares `scene`, after a `change`, and prints its warnings.
+    pub(crate) fn session(
         &self,
         scene: &Path,
-        look: Option<Look>,
-        outputs: &[&Path],
-    ) -> Result<LoadedScene> {
-        // A render, which has outputs, shows all its progress.
-        let _reading = outputs.is_empty().then(|| Display::new(Style::Auto, self.quiet));
-        let loaded = self.read(scene, look)?;
-        outputs.iter().try_for_each(|output| loaded.check_apart(output))?;
-        tell_all(&loaded.warnings, &loaded.notes, self.quiet);
-        Ok(loaded)
+        options: &api::SceneOptions,
+        change: impl FnOnce(&mut LoadedScene) -> Result<()>,
+    ) -> Result<Session> {
+        let mut loaded = {
+            let _reading = Display::new(Style::Auto, self.quiet);
+            self.read(scene, options.look)?
+        };
+        tell_all(&mut loaded.warnings, &mut loaded.notes, self.quiet);
+        change(&mut loaded)?;
+        let mut session = Session::of(loaded, options, |_| Ok(()))?;
+        tell_all(&mut session.warnings, &mut session.notes, self.quiet);
+        Ok(session)
     }
 
     /// Reads `scene`, within the limit of memory.
@@ -237,36 +247,6 @@ impl SceneOptions {
         allocator::begin(scene, self.memory_limit);
         load(scene, &LoadOptions { strict: self.strict, ..self.input.load_options(look) })
     }
-
-    /// Runs all systems but the last on `loaded`.
-    pub(crate) fn extract(&self, mut loaded: LoadedScene, shown: Shown) -> Result<Extracted> {
-        match shown.look {
-            Some(Look::Clay) => looks::clay(&mut loaded.world),
-            Some(Look::Uv) => looks::show_uvs(&mut loaded.world),
-            _ => {}
-        }
-        let all = shown.all || shown.look.is_some_and(|look| !look.is_shaded());
-        let passes = if all { &unplanned(&PASSES)[..] } else { &PASSES };
-        let (precision, flat) = (self.precision, self.flatten);
-        let exposure = shown.develop.factor();
-        systems::extract(loaded.world, systems::Options { precision, passes, flat, exposure })
-    }
-
-    /// The preset of the tree: the requested one, or that for the scene.
-    pub(crate) fn preset(&self, extracted: &Extracted) -> Preset {
-        self.bvh.unwrap_or_else(|| extracted.preset())
-    }
-}
-
-/// What images show of a scene.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Shown {
-    /// Instead of light.
-    pub(crate) look: Option<Look>,
-    /// Whether what light would not show is prepared, too.
-    pub(crate) all: bool,
-    /// How light becomes levels.
-    pub(crate) develop: Develop,
 }
 
 /// A number of bytes, with or without a unit.

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use super::common::{SearchOptions, numbers, print, rounded, to_json, whole};
-use super::input::{SceneOptions, Shown};
+use super::input::SceneOptions;
+use wavecrest_api::session::Session;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{
     Bounce, HitRecord, LightRecord, PathRecord, PixelRecord, RayKind, SurfaceRecord, Visibility,
@@ -50,11 +51,9 @@ fn place(text: &str) -> std::result::Result<[u32; 2], String> {
 pub(crate) fn run(args: &ProbeArgs) -> Result<()> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.threads.run(|| {
-        let loaded = args.scene_options.load(&args.scene, None, &[])?;
-        let extracted = args.scene_options.extract(loaded, Shown::default())?;
-        let preset = args.scene_options.preset(&extracted);
-        let mut scene = extracted.build(preset);
-        args.search.apply(&mut scene.accel);
+        let options = args.scene_options.preparing(Some(&args.search));
+        let Session { scene, .. } =
+            args.scene_options.session(&args.scene, &options, |_| Ok(()))?;
         let (size, samples) = (scene.camera.size(), scene.camera.rays_per_pixel());
         check(args, size, samples)?;
         let record = pixel(&scene, args.pixel, args.sample, args.seed, &|_| false);

@@ -92,7 +92,7 @@ fn run_here(args: &TraceArgs) -> Result<()> {
     let preset = args.bvh.unwrap_or_else(usual);
     let start = Instant::now();
     let mut accel = Accel::new(geometry, preset);
-    args.search.apply(&mut accel);
+    accel.search_by(args.search.kernel, args.search.simd);
     let build_seconds = start.elapsed().as_secs_f64();
     let answers = time_passes(&accel, &file, args.tracer, args.repeats);
     let per_ray = |count: u64| count as f64 / rays.max(1) as f64;

@@ -19,10 +19,11 @@ use wavecrest_api::glam::DMat4;
 use wavecrest_api::goal::{Ending, Goal, Job};
 use wavecrest_api::hecs::{Entity, World};
 use wavecrest_api::memory::check_room;
+use wavecrest_api::session::{SceneOptions, Session};
 use wavecrest_api::{self as api, Watch};
 
 use super::arrays::Mesh;
-use super::base::{Any, Error, exception, start};
+use super::base::{Any, exception, start};
 use super::input::{self, Options};
 use super::shapes::tree_bytes;
 
@@ -99,14 +100,8 @@ impl Task {
         let pose = pose.map(|rows| DMat4::from_cols_array_2d(&rows).transpose());
         let error = given.get("target_error")?;
         let seconds: Option<f64> = given.get("time_budget")?;
-        for (name, is_given) in
-            [("target_error", error.is_some()), ("time_budget", seconds.is_some())]
-        {
-            if is_given && options.antialias.is_some() {
-                return Err(Error::new_err(format!("samples: leave it out, or {name}")));
-            }
-        }
-        let goal = Goal { error, seconds: seconds.map(|seconds| (seconds, start)) };
+        let samples = given.get("samples")?;
+        let goal = Goal { error, seconds: seconds.map(|seconds| (seconds, start)), samples };
         let goal = Some(goal).filter(|_| error.or(seconds).is_some());
         let layers: Vec<String> = given.get("layers")?.unwrap_or_default();
         let layers = layers.iter().map(|name| input::named("layers", name));
@@ -127,37 +122,36 @@ impl Task {
         if let Some(pose) = pose {
             place_camera(&mut loaded.world, pose);
         }
-        let options = api::ExtractOptions { precision, ..Default::default() };
-        let extracted = api::extract(loaded.world, options)?;
-        let preset = extracted.preset();
-        let pixels: u64 = extracted.scene().camera.size().map(u64::from).iter().product();
-        let film = pixels * size_of::<[f32; 3]>() as u64;
-        check_room(tree_bytes(extracted.geometry().held()) + film, "the render")?;
-        let mut scene = extracted.build(preset);
-        loaded.warnings.extend(api::warnings(&scene, &loaded.file));
+        let options = SceneOptions { precision, ..SceneOptions::default() };
+        let mut session = Session::of(loaded, &options, |extracted| {
+            let pixels: u64 = extracted.scene().camera.size().map(u64::from).iter().product();
+            let film = pixels * size_of::<[f32; 3]>() as u64;
+            check_room(tree_bytes(extracted.geometry().held()) + film, "the render")
+        })?;
         let until = &Until(cancel);
         let seed = rendering.seed;
+        let scene = &mut session.scene;
         let channels = |scene: &api::PreparedScene, invalid| -> api::Result<Vec<api::Channel>> {
             let request = api::LayerRequest { layers: &layers, crop: None, seed, invalid };
             Ok(api::layers(scene, &request, until)?.channels)
         };
         let rendered = match goal {
-            None => api::render(&scene, &rendering, until)?,
+            None => api::render(scene, &rendering, until)?,
             Some(goal) => {
                 let ending = |scene: &api::PreparedScene, _: &api::Film| {
                     let start = Instant::now();
                     channels(scene, 0)?;
                     Ok(Ending { fixed: 0.0, each: start.elapsed().as_secs_f64() })
                 };
-                let passes = Goal::passes(&mut scene, rendering, Default::default())?;
+                let passes = Goal::passes(scene, rendering, Default::default())?;
                 let job = Job { ending: &ending, ..Job::new(until) };
-                let reached = goal.render(&mut scene, &passes, &job)?;
-                loaded.warnings.extend(goal.unreached(&reached, &loaded.file));
+                let reached = goal.render(scene, &passes, &job)?;
+                session.warnings.extend(goal.unreached(&reached, &session.file));
                 reached.rendered
             }
         };
-        let channels = channels(&scene, rendered.counters.invalid)?;
-        Ok((rendered.film, channels, loaded.warnings))
+        let channels = channels(scene, rendered.counters.invalid)?;
+        Ok((rendered.film, channels, session.warnings))
     }
 }
 

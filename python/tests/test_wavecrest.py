@@ -216,6 +216,12 @@ class Wavecrest(unittest.TestCase):
         once["scene"]["lightsources"][0].update(samples=1)
         self.assertLess(rmse(image, reference), rmse(wavecrest.render(once), reference) / 2)
 
+    def test_samples_are_the_most_of_a_goal(self):
+        image, layers = wavecrest.render(SOFT, time_budget=600, samples=24, layers=["samples"])
+        self.assertTrue((layers["samples"] == 24).all())
+        fine = {**SOFT, "camera": {**SOFT["camera"], "antialias": 5, "sampling": "sobol"}}
+        np.testing.assert_array_equal(wavecrest.render(SOFT, time_budget=600, samples=25), wavecrest.render(fine))
+
     def test_an_error_out_of_reach_is_a_warning(self):
         with self.assertWarnsRegex(UserWarning, "the target error .* was not reached: .*; choose a larger error"):
             wavecrest.render(SOFT, width=3, height=2, target_error=1e-7)
@@ -257,8 +263,6 @@ class Wavecrest(unittest.TestCase):
         self.assert_refused('background: use transparent, or six hexadecimal digits such as #ffffff, found "red"',
                             VERTICES, FACES, background="red")
         self.assert_refused("samples: must be a whole number from 1 to 4096, found 0", SCENE, samples=0)
-        self.assert_refused("samples: leave it out, or target_error", SCENE, samples=4, target_error=0.01)
-        self.assert_refused("samples: leave it out, or time_budget", SCENE, samples=4, time_budget=1)
         self.assert_refused("time_budget: must be a finite number above 0, found -1", SCENE, time_budget=-1)
         self.assert_refused("fit: write a share of the image", VERTICES, FACES, fit=2)
         self.assert_refused('found "400,2"', VERTICES, FACES, view=(400, 2))

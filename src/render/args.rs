@@ -8,9 +8,10 @@ use crate::common::{
     FILES, FRAMES, IMAGE, LONG, SPEED, SearchOptions, above_zero, choice, numbers, output, tell,
     whole,
 };
-use crate::input::{SceneOptions, Shown};
+use crate::input::SceneOptions;
 use crate::output_options::{DevelopOptions, Metadata};
 use crate::progress::Style;
+use wavecrest_api::session as api;
 use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_base::replace::make_folder;
@@ -21,7 +22,7 @@ use wavecrest_image::aov::Layer;
 use wavecrest_image::farm::Shard;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::look::Look;
-use wavecrest_image::write::Transfer;
+use wavecrest_image::write::{Develop, Transfer};
 
 /// Render a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
@@ -65,11 +66,11 @@ pub(crate) struct RenderArgs {
     /// invalid, all (these), or alpha (colours then count as premultiplied)
     #[arg(long, help_heading = IMAGE, value_name = "LAYERS", value_parser = layers)]
     pub(crate) aov: Option<LayerList>,
-    /// Take Sobol samples until the error is at most this (RMSE of linear values)
-    #[arg(long, help_heading = IMAGE, value_name = "ERROR", value_parser = above_zero, conflicts_with = "samples")]
+    /// Take Sobol samples until the error is at most this (RMSE of linear values); at most --samples
+    #[arg(long, help_heading = IMAGE, value_name = "ERROR", value_parser = above_zero)]
     pub(crate) target_error: Option<f64>,
     /// Take Sobol samples for so many seconds, with all that the command does; with --target-error, whichever ends first
-    #[arg(long, help_heading = IMAGE, value_name = "SECONDS", value_parser = above_zero, conflicts_with = "samples")]
+    #[arg(long, help_heading = IMAGE, value_name = "SECONDS", value_parser = above_zero)]
     pub(crate) time_budget: Option<f64>,
     /// Seed of the random numbers
     #[arg(long, help_heading = IMAGE, value_name = "N", default_value_t = 0, value_parser = whole(0..=u64::MAX))]
@@ -178,9 +179,11 @@ impl RenderArgs {
         RenderOptions { tracer, crop, seed, batch: self.batch as usize }
     }
 
-    /// What the images show.
-    pub(super) fn shown(&self) -> Shown {
-        Shown { look: self.look, develop: self.develop.into(), ..Shown::default() }
+    /// How the scene is prepared.
+    pub(super) fn preparing(&self) -> api::SceneOptions {
+        let (look, exposure) = (self.look, Develop::from(self.develop).factor());
+        let usual = self.scene_options.preparing(Some(&self.search));
+        api::SceneOptions { look, exposure, ..usual }
     }
 
     /// The file to write.

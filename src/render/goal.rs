@@ -44,7 +44,9 @@ pub(super) fn render_to_goal(
     if seconds.is_some_and(|seconds| start.elapsed().as_secs_f64() > seconds) {
         args.say("the time is over before the first ray: one for each pixel follows");
     }
-    let goal = Goal { error, seconds: seconds.map(|seconds| (seconds, start)) };
+    let seconds_from = seconds.map(|seconds| (seconds, start));
+    let samples = args.scene_options.input.samples;
+    let goal = Goal { error, seconds: seconds_from, samples };
     let show = Show::begin(outputs, progress, scene);
     let kept = (args.checkpoint(), outputs.author());
     let passes = Goal::passes(scene, args.options(), kept)?;

@@ -6,9 +6,10 @@ use super::args::RenderArgs;
 use super::goal::{Outcome, render_to_goal};
 use super::once::{find_invalid, interrupted, share};
 use super::outputs::Outputs;
-use crate::common::{grouped, seconds, tell_prepared};
+use crate::common::{grouped, seconds, tell_all};
 use crate::interrupt;
 use crate::progress::{Display, Phase, Style};
+use wavecrest_api::session::Session;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::memory;
 use wavecrest_core::accel::build::Preset;
@@ -63,16 +64,18 @@ impl<'a> Renderer<'a> {
         let mut time = Time::default();
         progress.begin(Phase::Load);
         let files: Vec<_> = outputs.iter().flat_map(|outputs| outputs.files()).collect();
-        let loaded = options.load(&args.scene, args.look, &files)?;
-        let encoding = loaded.transfer();
-        let extracted = options.extract(loaded, args.shown())?;
-        let preset = options.preset(&extracted);
-        time.load = start.elapsed().as_secs_f64();
-        progress.begin(Phase::Build);
-        let mut scene = timed(&mut time.build, || extracted.build(preset));
-        tell_prepared(&scene, &args.scene, options.quiet);
-        args.search.apply(&mut scene.accel);
-        outputs.iter().for_each(|outputs| outputs.made_of(encoding));
+        let mut loaded = options.read(&args.scene, args.look)?;
+        files.iter().try_for_each(|output| loaded.check_apart(output))?;
+        tell_all(&mut loaded.warnings, &mut loaded.notes, options.quiet);
+        let mut session = Session::of(loaded, &args.preparing(), |_| {
+            time.load = start.elapsed().as_secs_f64();
+            progress.begin(Phase::Build);
+            Ok(())
+        })?;
+        tell_all(&mut session.warnings, &mut session.notes, options.quiet);
+        let Session { scene, preset, transfer, seconds: [_, build], .. } = session;
+        time.build = build;
+        outputs.iter().for_each(|outputs| outputs.made_of(transfer));
         let numbered = frames == Some(outputs.len());
         let mut renderer = Self {
             args,

@@ -5,20 +5,19 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use wavecrest_api::session::{SceneOptions, Session};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::PrimitiveCounts;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::agreement::agreement;
 use wavecrest_report::selftest::examine::{GeometryFacts, SceneTrial, shape, trial};
 use wavecrest_report::selftest::{Effort, Outcome};
-use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::load::LoadOptions;
 use wavecrest_scene::mesh;
-use wavecrest_scene::systems::{self, Options};
 
 /// The longer side in pixels of the image that is searched for samples that are not finite.
 const IMAGE_SIDE: u32 = 128;
@@ -164,13 +163,9 @@ fn of_scene(file: &Path, effort: &Effort) -> Result<(Accel, u64)> {
     let Effort { precision, seed, .. } = *effort;
     let options =
         LoadOptions { width: Some(IMAGE_SIDE), height: Some(IMAGE_SIDE), ..LoadOptions::default() };
-    let loaded = load(file, &options)?;
     // Its rays come from anywhere, and not from the camera alone.
-    let passes = unplanned(&PASSES);
-    let options = Options { precision, passes: &passes, ..Options::default() };
-    let extracted = systems::extract(loaded.world, options)?;
-    let preset = extracted.preset();
-    let scene = extracted.build(preset);
+    let all = SceneOptions { precision, all: true, ..SceneOptions::default() };
+    let Session { scene, .. } = Session::open(file, &options, &all)?;
     let mut invalid = 0;
     for tracer in [TracerKind::Wavefront, TracerKind::Recursive] {
         let options = RenderOptions { tracer, seed, ..RenderOptions::default() };

@@ -9,7 +9,8 @@ use super::exchange::Exchange;
 use super::request::Half;
 use super::steering::Steering;
 use super::take_away::TakeAway;
-use crate::input::{SceneOptions, Shown};
+use crate::input::SceneOptions;
+use wavecrest_api::session::{self as api, Session};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::progress;
 use wavecrest_core::accel::Accel;
@@ -60,29 +61,35 @@ pub(super) fn prepare(
     // Notes are printed once.
     let quiet = args.scene_options.quiet || view.is_some();
     let options = &SceneOptions { quiet, ..args.scene_options.clone() };
-    let mut loaded = options.load(&args.scene, look, &[])?;
-    take_away.keep(&loaded)?;
-    let view = free_camera(&mut loaded.world, view)?;
+    let preparing = api::SceneOptions { look, ..options.preparing(Some(&args.search)) };
+    let mut start = None;
+    let session = options.session(&args.scene, &preparing, |loaded| {
+        take_away.keep(loaded)?;
+        check_size(args, start.insert(free_camera(&mut loaded.world, view)?))
+    })?;
+    let Session { scene, preset, transfer, .. } = session;
+    let transfer = match transfer {
+        // Other looks are encoded already.
+        Encoding::Srgb if look.is_none_or(Look::is_shaded) => Transfer::Srgb,
+        _ => Transfer::Linear,
+    };
+    let (camera, original) = (scene.camera, scene.original());
+    let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
+    let ends = ends.map(|end| end + scene.origin);
+    exchange.prepares.store(false, Ordering::Relaxed);
+    let view = start.ok_or_else(|| Error::new(ErrorKind::Scene, "there is no camera"))?;
+    Ok((Ready { scene, preset, camera, original, transfer, ends }, view))
+}
+
+/// Refuses an image that is too large for a page.
+fn check_size(args: &ViewArgs, view: &View) -> Result<()> {
     if u64::from(view.width) * u64::from(view.height) > MOST_PIXELS {
         let message = format!("a page shows at most {MOST_PIXELS} pixels");
         let error = Error::new(ErrorKind::Limit, message).in_file(&args.scene);
         let remedy = "use a smaller --size";
         return Err(error.value(format!("{} x {}", view.width, view.height)).remedy(remedy));
     }
-    let transfer = match loaded.transfer() {
-        // Other looks are encoded already.
-        Encoding::Srgb if look.is_none_or(Look::is_shaded) => Transfer::Srgb,
-        _ => Transfer::Linear,
-    };
-    let extracted = options.extract(loaded, Shown { look, ..Shown::default() })?;
-    let preset = options.preset(&extracted);
-    let mut scene = extracted.build(preset);
-    args.search.apply(&mut scene.accel);
-    let (camera, original) = (scene.camera, scene.original());
-    let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
-    let ends = ends.map(|end| end + scene.origin);
-    exchange.prepares.store(false, Ordering::Relaxed);
-    Ok((Ready { scene, preset, camera, original, transfer, ends }, view))
+    Ok(())
 }
 
 impl Ready {

@@ -5,18 +5,21 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
+use wavecrest_api::LoadOptions;
 use wavecrest_api::goal::{End, Goal, Job, MOST_SAMPLES, Reached};
+use wavecrest_api::session::{SceneOptions, Session};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Watch};
 use wavecrest_image::compare::compare;
 use wavecrest_image::farm::checkpoint::Checkpoint;
+use wavecrest_image::read::read;
 
 use crate::accuracy::{lens, round_light, shown, square_light};
 use crate::support::{
     TRACERS, extract_small, folder, matte, options, pinhole, point_light, prepare, render_on,
-    repository, scene, sphere, with,
+    repository, run_well, scene, sphere, with,
 };
 
 /// A scene of the repository at up to 64 pixels a side.
@@ -80,6 +83,26 @@ fn passes_add_up_to_the_bits_of_one_render() {
             let whole = at_once(&mut scene, reached.samples, &options);
             assert!(reached.rendered.film.same_bits(&whole), "{name}, {tracer:?}");
         }
+    }
+}
+
+/// A program has the pixels of the command, for the same samples and for the same error.
+#[test]
+fn every_door_leads_to_the_same_pixels() {
+    let (folder, file) = (folder(), repository("scenes/glass.json"));
+    let loading = LoadOptions { width: Some(40), height: Some(30), ..LoadOptions::default() };
+    for (option, value, goal) in [
+        ("--samples", "11", Goal { samples: Some(11), ..Goal::default() }),
+        ("--target-error", "0.01", Goal { error: Some(0.01), ..Goal::default() }),
+    ] {
+        let name = file.to_str().expect("a name");
+        let size = ["--size", "40x30", "--time-budget", "600", option, value];
+        run_well(folder.path(), &[&["-q", name, "out.pfm"][..], &size].concat());
+        let commanded = read(&folder.path().join("out.pfm")).expect("an image");
+        let mut session =
+            Session::open(&file, &loading, &SceneOptions::default()).expect("a session");
+        let reached = session.render(&goal, &RenderOptions::default(), &()).expect("a render");
+        assert!(reached.rendered.film.same_bits(&commanded), "{option}");
     }
 }
 
@@ -185,7 +208,7 @@ fn an_error_that_does_not_fall_is_told() {
     let camera = with(pinhole([16, 12], 90.0, 6.0), "antialias", 2);
     let mut scene = prepare(&scene(0, &camera, &[light], &[ceiling]));
     let seconds = Some((1.0, Instant::now()));
-    let goal = Goal { error: Some(1e-5), seconds };
+    let goal = Goal { error: Some(1e-5), seconds, samples: None };
     let reached = towards(&mut scene, goal, options());
     assert_ne!(reached.end, End::Error, "{:?}", reached.error);
     let told = goal.unreached(&reached, Path::new("s.json")).expect("a warning").to_string();
@@ -220,4 +243,7 @@ fn a_time_is_used_and_kept() {
     let empty = scene(0, &pinhole([2, 2], 45.0, 6.0), &[], &[]);
     let (reached, _) = within(&mut prepare(&empty), 60.0);
     assert_eq!((reached.samples, reached.end), (MOST_SAMPLES, End::Samples));
+    let goal = Goal { samples: Some(13), ..Goal::default() };
+    let reached = towards(&mut small("DoF"), goal, options());
+    assert_eq!((reached.samples, reached.end), (13, End::Samples));
 }

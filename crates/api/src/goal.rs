@@ -39,13 +39,15 @@ const KEPT: [f64; 2] = [0.01, 0.005];
 /// -3/2 of their number.
 const SLOPES: [f64; 2] = [-1.5, -0.5];
 
-/// What ends a render; without any of it, the most samples that there may be.
+/// What ends a render, whichever comes first; without any of it, the most samples that there may be.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Goal {
     /// An error of the image: root mean squared error of linear values.
     pub error: Option<f64>,
     /// Seconds, and from when they count.
     pub seconds: Option<(f64, Instant)>,
+    /// Samples of each pixel; [`MOST_SAMPLES`] if there are more, or none.
+    pub samples: Option<u32>,
 }
 
 /// What a render towards a goal is done with.
@@ -155,7 +157,7 @@ impl Goal {
         let found = reached.error.map_or("unknown".to_owned(), |error| format!("{error:.3e}"));
         let message = format!("the target error {target} was not reached: it is {found}");
         let remedy = match reached.end {
-            End::Samples => "choose a larger error: there are no more samples",
+            End::Samples => "choose a larger error, or more samples if there are any",
             _ => "choose a larger error, or give more time",
         };
         let error = Error::new(ErrorKind::Usage, message).in_file(file).remedy(remedy);
@@ -247,13 +249,14 @@ fn next(
     if goal.is_reached(pass) {
         return Err(End::Error);
     }
-    if from >= MOST_SAMPLES {
+    let most = goal.samples.unwrap_or(MOST_SAMPLES).min(MOST_SAMPLES);
+    if from >= most {
         return Err(End::Samples);
     }
     let doubled = (from + 1).next_power_of_two();
     let step = (doubled / 2 / PARTS).max(1);
     let steps = |samples: f64| (samples / f64::from(step)).clamp(0.0, f64::from(PARTS)) as u32;
-    let mut more = doubled - from;
+    let mut more = doubled.min(most) - from;
     if let (Some(target), Some(error)) = (goal.error, error)
         && from >= LEAST
         && error > target
@@ -262,7 +265,10 @@ fn next(
         more = more.min(step * steps(wanted + f64::from(step)).max(1));
     }
     if goal.seconds.is_some() {
-        more = more.min(step * steps(PLANNED * affordable.unwrap_or(f64::INFINITY)));
+        let affordable = PLANNED * affordable.unwrap_or(f64::INFINITY);
+        if affordable < f64::from(more) {
+            more = more.min(step * steps(affordable));
+        }
     }
     if more == 0 { Err(End::Time) } else { Ok(from + more) }
 }

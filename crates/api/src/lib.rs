@@ -5,8 +5,9 @@
 //! renders a [`Film`] from the [`PreparedScene`]. Work runs on the threads of the current rayon
 //! pool.
 //!
-//! The crate only re-exports parts of the inner crates. It contains neither the command line nor
-//! the reports of the command `wavecrest`.
+//! A [`session::Session`] takes a scene through all of them, and renders it for an error or a time ([`goal::Goal`]).
+//! Beside these two the crate re-exports parts of the inner crates. It contains neither the command line nor the reports of
+//! the command `wavecrest`.
 //!
 //! # Render to a buffer
 //!
@@ -181,6 +182,7 @@
 //! found and a remedy; no input makes the library panic.
 
 pub mod goal;
+pub mod session;
 
 // Errors, warnings, options that have names, and memory.
 pub use wavecrest_base::choice::Choice;

@@ -135,6 +135,14 @@ impl Accel {
         &self.geometry
     }
 
+    /// Searches by this kernel at this instruction level from now on.
+    pub fn search_by(&mut self, kernel: KernelChoice, level: Level) {
+        self.kernel = kernel;
+        if let Some(level) = level.token() {
+            self.level = level;
+        }
+    }
+
     /// Searches in another precision from now on, in the same structure.
     pub fn set_precision(&mut self, precision: Precision) {
         self.geometry.set_precision(precision);

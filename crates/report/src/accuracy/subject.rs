@@ -17,6 +17,7 @@ use super::store::{Record, ReferenceRecord, SceneRecord, Store, records_of};
 use super::{OnProgress, SweepProgress};
 use crate::bench::Preparation;
 use crate::measure::{Timing, rounds};
+use wavecrest_api::session::{SceneOptions, Session};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
@@ -29,8 +30,8 @@ use wavecrest_image::compare::compare;
 use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, write};
 use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::systems::extract;
 use wavecrest_scene::systems::overrides::{self, Overrides};
-use wavecrest_scene::systems::{Options, extract};
 
 /// A scene, and its prepared structures.
 #[derive(Debug)]
@@ -129,14 +130,11 @@ impl Subject {
         let mut loaded =
             load(&self.record.file, &LoadOptions { width, height, ..LoadOptions::default() })?;
         overrides::apply(&mut loaded.world, &setting.overrides);
-        let options = Options { precision: setting.precision, ..Options::default() };
-        let extracted = extract(loaded.world, options)?;
         // No render should wait for an image.
-        extracted.scene().appearance.decode()?;
-        let load = start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let scene = extracted.build(Preset::Fast);
-        let build = start.elapsed().as_secs_f64();
+        let (precision, bvh) = (setting.precision, Some(Preset::Fast));
+        let options = SceneOptions { precision, bvh, at_once: true, ..SceneOptions::default() };
+        let Session { scene, seconds: [_, build], .. } = Session::of(loaded, &options, |_| Ok(()))?;
+        let load = start.elapsed().as_secs_f64() - build;
         let original = scene.original();
         Ok(PreparedSubject { scene, original, time: Preparation { load, build } })
     }
