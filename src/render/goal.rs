@@ -63,7 +63,7 @@ pub(super) fn render_to_goal(
     let goal = json!({
         "asked": { "error": error, "seconds": seconds },
         "samples": samples,
-        "found_error": found,
+        "found_error": found.filter(|error| *error > 0.0),
         "passes": passes,
         "seconds": spent,
         "end": end,

@@ -108,7 +108,7 @@ impl Expected {
 
 /// The seconds of a render, from its first moment, which is the second, in which threads work for so many `seconds`:
 /// `share` is the part of the work that is done then. Other programs that use the processors are expected to go on.
-pub(crate) fn timed(
+fn timed(
     scene: &PreparedScene,
     options: &RenderOptions,
     seconds: f64,
@@ -158,7 +158,7 @@ fn count(scene: &PreparedScene, options: &RenderOptions, side: u32) -> (Counters
 
 /// A tile in each part of an image, with up to `most` parts along a side and `edge` pixels along
 /// that of a tile, at a random place that follows from `seed`.
-pub(crate) fn tiles([width, height]: [u32; 2], most: u32, edge: u32, seed: u64) -> Vec<Tile> {
+fn tiles([width, height]: [u32; 2], most: u32, edge: u32, seed: u64) -> Vec<Tile> {
     let mut random = generator(seed);
     let parts = |side: u32| side.div_ceil(edge).clamp(1, most);
     let (columns, rows) = (parts(width), parts(height));

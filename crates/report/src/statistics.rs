@@ -30,7 +30,7 @@
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees as they are at the end: all nodes, the largest depth |
 //! | `bvh.chunks` | | the numbers of chunks that rays built, and of all; `null` if trees were built at once |
 //! | `resumed` | | the share of the image that a checkpoint held (0 to 1): rays and other counts are those of this run only |
-//! | `goal.asked.error`, `.seconds`, `goal.samples`, `.found_error`, `.passes`, `.seconds`, `.end` | RMSE, s | a target error or a time budget, and its outcome (`null` without either): the samples of each pixel, the error of the image (`null` with one sample), the passes that this render finished and their seconds, and what ended it: `error`, `time`, `samples` (there are no more) or `cancelled` |
+//! | `goal.asked.error`, `.seconds`, `goal.samples`, `.found_error`, `.passes`, `.seconds`, `.end` | RMSE, s | a target error or a time budget, and its outcome (`null` without either): the samples of each pixel, the error of the image (`null` with one sample, or where no two halves of them differ), the passes that this render finished and their seconds, and what ended it: `error`, `time`, `samples` (there are no more) or `cancelled` |
 //! | `plan` | | each effect, whether it is simulated, and the reason |
 
 #![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]

@@ -328,20 +328,15 @@ impl Pass {
     /// taken off, by the fall in the doubling before; no more than for the steepest that there is, the power -3/2.
     fn measured(self, squared: f64) -> Self {
         let [a, b] = [self.half, self.to - self.half].map(f64::from);
-        let known = self.error.unwrap_or(f64::INFINITY);
         if b < a {
             let Some([e, _]) = self.half_error else { return self };
             let f = (squared - e * e).max(0.0).sqrt();
-            return Self {
-                error: Some((a * e).hypot(b * f) / (a + b)).map(|e| e.min(known)),
-                ..self
-            };
+            return Self { error: Some((a * e).hypot(b * f) / (a + b)), ..self };
         }
         let found = squared.sqrt() * (a * b).sqrt() / (a + b);
         let fall = self.half_error.map_or(1.0, |[_, before]| found / before);
-        let gain =
-            if fall.is_finite() { (fall * std::f64::consts::SQRT_2).clamp(0.5, 1.0) } else { 1.0 };
-        let error = known.min(found * gain);
+        let gain = (fall * std::f64::consts::SQRT_2).clamp(0.5, 1.0);
+        let error = if gain.is_nan() { found } else { found * gain };
         Self { error: Some(error), half_error: Some([error, found]), ..self }
     }
 }

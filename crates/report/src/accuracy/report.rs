@@ -107,7 +107,7 @@ impl SceneAccuracy {
         };
         found.families =
             subject.families.iter().map(|f| found.summary(f, records, &left)).collect();
-        let counted = Axis::of(&subject.facts).things(2);
+        let counted = Axis::of(&subject.facts).things();
         if let Some(varied) = found.families.iter().find(|family| family.counted == counted) {
             let costs = errors.iter().map(|error| varied.cost(*error, median(&before)));
             let (family, errors) = (varied.name, costs.collect());

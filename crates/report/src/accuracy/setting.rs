@@ -176,20 +176,13 @@ impl Axis {
         }
     }
 
-    /// What so many of its points are.
-    pub(super) fn things(self, count: u32) -> String {
-        let s = if count == 1 { "" } else { "s" };
+    /// What its points are.
+    pub(super) fn things(self) -> String {
         match self {
-            Self::Lights(place) => format!("point{s} {place}"),
-            Self::Lens(place) => format!("point{s} on the lens{}", each("one point", place)),
-            Self::Pixel(place) => format!("ray{s} per pixel{}", each("one point", place)),
+            Self::Lights(place) => format!("points {place}"),
+            Self::Lens(place) => format!("points on the lens{}", each("one point", place)),
+            Self::Pixel(place) => format!("rays per pixel{}", each("one point", place)),
         }
-    }
-
-    /// A number of its points.
-    pub fn counted(self, points: Points) -> String {
-        let count = points.count();
-        format!("{count} {} {}", points.sampling.name(), self.things(count))
     }
 }
 
@@ -210,7 +203,7 @@ const MOST_BOUNCES: u32 = 16;
 /// The families of a scene with these `facts`, with up to `most` points of a kind.
 pub fn families(facts: &Facts, most: u32) -> Vec<Family<CountedSetting>> {
     let lights = facts.lights;
-    let along = |axis: Axis| (axis.things(2), sampled(most, axis));
+    let along = |axis: Axis| (axis.things(), sampled(most, axis));
     let of_lights = (!lights.is_empty()).then(|| along(Axis::Lights(lights)));
     let of_lens = facts.has_lens.then(|| along(Axis::Lens(lights)));
     let of_bounces = (facts.bounces > 0).then(|| ("bounces".to_owned(), bounces(facts.bounces)));
@@ -297,22 +290,18 @@ mod tests {
         };
         let [[none, lights], [sky, both]] = PLACES;
         for (facts, words) in [
-            (facts(none, false, false), "4 sobol rays per pixel"),
-            (facts(lights, false, false), "4 sobol points on each light"),
-            (facts(sky, false, false), "4 sobol points of the sky"),
-            (facts(both, false, false), "4 sobol points on each light and of the sky"),
-            (facts(none, true, false), "4 sobol points on the lens"),
-            (
-                facts(lights, true, false),
-                "4 sobol points on the lens, each with one point on each light",
-            ),
-            (facts(sky, true, true), "4 sobol rays per pixel, each with one point of the sky"),
+            (facts(none, false, false), "rays per pixel"),
+            (facts(lights, false, false), "points on each light"),
+            (facts(sky, false, false), "points of the sky"),
+            (facts(both, false, false), "points on each light and of the sky"),
+            (facts(none, true, false), "points on the lens"),
+            (facts(lights, true, false), "points on the lens, each with one point on each light"),
+            (facts(sky, true, true), "rays per pixel, each with one point of the sky"),
         ] {
-            let points = Points { sampling: Sampling::Sobol, side: 2 };
             let axis = Axis::of(&facts);
-            assert_eq!(axis.counted(points), words);
+            assert_eq!(axis.things(), words);
             // The family that a sweep answers for.
-            let found = families(&facts, 4).into_iter().find(|f| f.counted == axis.things(2));
+            let found = families(&facts, 4).into_iter().find(|f| f.counted == axis.things());
             assert_eq!(
                 found.map(|found| found.target == Truth::Pixel),
                 Some(words.contains("rays"))
