@@ -32,7 +32,7 @@ pub(crate) struct InputOptions {
           conflicts_with_all = ["width", "height"])]
     pub(crate) size: Option<[u32; 2]>,
     /// Rays per pixel, in a square grid: 1, 4, 9, ..., 4096; other numbers are rounded up. 4 is "antialias": 2 in a
-    /// scene; a lens multiplies them by its own [default: those of the scene; 4 for a mesh]
+    /// scene; a lens multiplies them by its own. With a target error or a time, the most [default: those of the scene; 4 for a mesh]
     #[arg(long, value_name = "N", value_parser = whole(1..=MOST_SAMPLES))]
     pub(crate) samples: Option<u32>,
     /// Width of the image in pixels; the height follows in proportion

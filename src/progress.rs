@@ -5,7 +5,7 @@
 //! A line of JSON has the keys `stage` (`load`, `build`, `trace`, `write`, `done`); `frame` and `frames`, the number of the
 //! frame among all frames of the command, from 1 (null for one image); `done` and `all` of the stage, bytes read, triangles
 //! or pixels (`all` is null until it is known); `seconds` since the start; and `left`, the estimated seconds to the end of
-//! the stage, or of all frames (null if unknown). Each stage starts with a line; others follow at most ten times a
+//! the stage, of a pass over the image, or of all frames (null if unknown). Each stage starts with a line; others follow at most ten times a
 //! second, and one at the end of tracing.
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -148,7 +148,7 @@ impl Shared {
         let mut state = lock(&self.state);
         let is_later_frame = state.frame.is_some_and(|[frame, _]| frame > 1);
         if phase == Phase::Trace {
-            // A render for a target error starts again. Frames are equally large.
+            // A further pass over the image. Frames are equally large.
             let [done, all] = &self.traced;
             done.store(0, Ordering::Relaxed);
             if !is_later_frame {

@@ -131,17 +131,24 @@ impl Task {
         let until = &Until(cancel);
         let seed = rendering.seed;
         let scene = &mut session.scene;
-        let channels = |scene: &api::PreparedScene, invalid| -> api::Result<Vec<api::Channel>> {
-            let request = api::LayerRequest { layers: &layers, crop: None, seed, invalid };
-            Ok(api::layers(scene, &request, until)?.channels)
-        };
+        let channels =
+            |scene: &api::PreparedScene, invalid, crop| -> api::Result<Vec<api::Channel>> {
+                let request = api::LayerRequest { layers: &layers, crop, seed, invalid };
+                Ok(api::layers(scene, &request, until)?.channels)
+            };
         let rendered = match goal {
             None => api::render(scene, &rendering, until)?,
             Some(goal) => {
-                let ending = |scene: &api::PreparedScene, _: &api::Film| {
-                    let start = Instant::now();
-                    channels(scene, 0)?;
-                    Ok(Ending { fixed: 0.0, each: start.elapsed().as_secs_f64() })
+                let ending = |scene: &api::PreparedScene, film: &api::Film| {
+                    if layers.is_empty() {
+                        return Ok(Ending::default());
+                    }
+                    let width = film.width();
+                    Ending::of_rows(film.height(), |height| {
+                        let (start, y) = (Instant::now(), (film.height() - height) / 2);
+                        channels(scene, 0, Some(api::Tile { x: 0, y, width, height }))?;
+                        Ok([start.elapsed().as_secs_f64(), 0.0])
+                    })
                 };
                 let passes = Goal::passes(scene, rendering, Default::default())?;
                 let job = Job { ending: &ending, ..Job::new(until) };
@@ -150,7 +157,7 @@ impl Task {
                 reached.rendered
             }
         };
-        let channels = channels(scene, rendered.counters.invalid)?;
+        let channels = channels(scene, rendered.counters.invalid, None)?;
         Ok((rendered.film, channels, session.warnings))
     }
 }

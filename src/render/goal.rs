@@ -41,17 +41,21 @@ pub(super) fn render_to_goal(
         let (rendered, resumed) = render_once(outputs, progress, scene)?;
         return Ok(Outcome { rendered, goal: None, resumed, invalid: None });
     }
-    if seconds.is_some_and(|seconds| start.elapsed().as_secs_f64() > seconds) {
-        args.say("the time is over before the first ray: one for each pixel follows");
-    }
     let seconds_from = seconds.map(|seconds| (seconds, start));
     let samples = args.scene_options.input.samples;
     let goal = Goal { error, seconds: seconds_from, samples };
-    let show = Show::begin(outputs, progress, scene);
+    let show = Show::begin(outputs, progress, scene, false);
     let kept = (args.checkpoint(), outputs.author());
     let passes = Goal::passes(scene, args.options(), kept)?;
     say_resumed(args, &passes);
-    let ending = &|scene: &PreparedScene, film: &Film| outputs.rehearse(scene, film);
+    let is_over = seconds.is_some_and(|seconds| start.elapsed().as_secs_f64() > seconds);
+    if is_over && passes.pass().from == 0 {
+        args.say("the time is over before the first ray: one for each pixel follows");
+    }
+    if passes.pass().from > 0 {
+        show.go_on(passes.painted()?.film);
+    }
+    let ending = &|scene: &PreparedScene, film: &Film| Ok(outputs.rehearse(scene, film));
     let reached = goal.render(scene, &passes, &Job { watch: &show, warn: &warn, ending })?;
     let Reached { samples, error: found, end, passes, seconds: spent, resumed, .. } = reached;
     if reached.rendered.finished {

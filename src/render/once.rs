@@ -22,7 +22,7 @@ pub(super) fn render_once(
     progress: &Display,
     scene: &PreparedScene,
 ) -> Result<(Rendered, f64)> {
-    let (show, args) = (Show::begin(outputs, progress, scene), outputs.args);
+    let (show, args) = (Show::begin(outputs, progress, scene, true), outputs.args);
     if args.checkpoint.is_some() {
         let passes = begin(outputs, scene, None)?;
         let rendered = passes.render(scene, &show, &warn)?;
@@ -54,12 +54,7 @@ pub(super) fn say_resumed(args: &RenderArgs, passes: &Passes) {
             Some(percent) => match passes.pass().from {
                 0 => format!("resuming from {file}: {percent} % is done"),
                 _ if passes.is_finished() => format!("resuming from {file}: 100 % is done"),
-                n => {
-                    let rays = counted(n.into(), "ray");
-                    format!(
-                        "resuming from {file}: {rays} per pixel, and {percent} % of the next pass"
-                    )
-                }
+                n => format!("resuming from {file}: {} per pixel", counted(n.into(), "ray")),
             },
             None => format!("no checkpoint {file} yet: starting from the beginning"),
         });

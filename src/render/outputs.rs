@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 use super::args::RenderArgs;
+use super::show::warn;
 use crate::common::command_words;
 use wavecrest_api::goal::Ending;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -103,37 +104,37 @@ impl<'a> Outputs<'a> {
         Author { scene, command: command_words(), transfer }
     }
 
-    /// Measures what [`Outputs::write`] takes for an image, and for a `scene` with one sample: writes a band of `film`
-    /// elsewhere.
-    ///
-    /// # Errors
-    /// If there is no memory for it, or it cannot be written.
-    pub(super) fn rehearse(&self, scene: &PreparedScene, film: &Film) -> Result<Ending> {
-        let (width, height) = (film.width(), film.height());
-        let band = height.div_ceil(BANDS);
-        let times = f64::from(height) / f64::from(band);
-        let start = Instant::now();
-        let layers = &self.args.layers();
+    /// Measures what [`Outputs::write`] takes for `film` and its `scene` with one sample, by writing parts of it elsewhere. If
+    /// that is not possible, nothing is kept for it.
+    pub(super) fn rehearse(&self, scene: &PreparedScene, film: &Film) -> Ending {
+        let measured = Ending::of_rows(film.height(), |rows| self.rehearse_rows(scene, film, rows));
+        measured.inspect_err(warn).unwrap_or_default()
+    }
+
+    /// The seconds of the layers, and of the files, of so many rows.
+    fn rehearse_rows(&self, scene: &PreparedScene, film: &Film, height: u32) -> Result<[f64; 2]> {
+        let (width, y) = (film.width(), (film.height() - height) / 2);
+        let RenderArgs { crop, seed, .. } = *self.args;
+        let [left, top] = crop.map_or([0, 0], |crop| [crop.x, crop.y]);
+        let crop = Some(Tile { x: left, y: top + y, width, height });
+        let (layers, start) = (&self.args.layers(), Instant::now());
+        let mut channels = Vec::new();
         if !layers.is_empty() {
-            let [x, y] = self.args.crop.map_or([0, 0], |crop| [crop.x, crop.y]);
-            let crop = Some(Tile { x, y: y + (height - band) / 2, width, height: band });
-            let (seed, invalid) = (self.args.seed, 0);
-            aov::layers(scene, &aov::Request { layers, crop, seed, invalid }, &())?;
+            let request = aov::Request { layers, crop, seed, invalid: 0 };
+            channels = aov::layers(scene, &request, &())?.channels;
         }
-        let each = times * start.elapsed().as_secs_f64();
+        let seconds = start.elapsed().as_secs_f64();
         let folder = tempfile::tempdir()
             .map_err(|error| Error::io("cannot make a folder", std::env::temp_dir(), error))?;
-        let part = film.part([0, (height - band) / 2, width, band])?;
+        let part = film.part([0, y, width, height])?;
         let start = Instant::now();
         let entries = self.entries(scene)?;
         for (index, path) in self.paths.iter().enumerate() {
-            let name = index.to_string() + &path.file_name().unwrap_or_default().to_string_lossy();
-            write_with(&part, &folder.path().join(name), self.transfer(), &self.extras(&entries))?;
+            let file = folder.path().join(format!("{index}.{}", Format::from_path(path)?.name()));
+            let extras = Extras { channels: &channels, ..self.extras(&entries) };
+            write_with(&part, &file, self.transfer(), &extras)?;
         }
-        let channels = layers.iter().map(|layer| layer.channels().len()).sum::<usize>();
-        // The channels of layers are written as the three of the image.
-        let share = (3 + channels) as f64 / 3.0;
-        Ok(Ending { fixed: share * times * start.elapsed().as_secs_f64(), each })
+        Ok([seconds, start.elapsed().as_secs_f64()])
     }
 
     /// Writes all of them, with any requested layers.
@@ -237,9 +238,6 @@ impl<'a> Outputs<'a> {
         Ok(metadata.entries(&identity))
     }
 }
-
-/// Bands into which an image is cut to measure with one what writing takes.
-const BANDS: u32 = 8;
 
 /// The format of a turntable in one file.
 pub(super) fn animated(output: &Path) -> Option<Animated> {

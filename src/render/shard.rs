@@ -30,7 +30,7 @@ pub(super) fn render_shard(args: &RenderArgs, shard: Shard) -> Result<()> {
         let Renderer { scene, progress, .. } = &renderer;
         let part = begin(&outputs, scene, Some(shard))?;
         let start = Instant::now();
-        let show = Show::begin(&outputs, progress, scene);
+        let show = Show::begin(&outputs, progress, scene, true);
         let done = part.advance(scene, scene.camera.rays_per_pixel(), &show, &warn)?;
         part.save(&warn);
         drop(show);

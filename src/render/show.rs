@@ -31,18 +31,24 @@ pub(super) struct Show<'a> {
 }
 
 impl<'a> Show<'a> {
-    /// Begins to show the render of `scene`.
+    /// Begins to show the render of `scene`; unfinished images have entries if the camera's samples are theirs.
     pub(super) fn begin(
         outputs: &'a Outputs<'a>,
         progress: &'a Display,
         scene: &PreparedScene,
+        has_entries: bool,
     ) -> Self {
         progress.begin(Phase::Trace);
         let saver = outputs.args.save_every.and_then(|seconds| {
-            let saver = ImageSaver::new(outputs, scene, seconds);
+            let saver = ImageSaver::new(outputs, (scene, has_entries), seconds);
             saver.inspect_err(warn).ok()
         });
         Self { progress, saver }
+    }
+
+    /// There is this image already.
+    pub(super) fn go_on(&self, film: Film) {
+        self.saver.iter().for_each(|saver| lock(&saver.kept).film = film.clone());
     }
 }
 
@@ -100,13 +106,17 @@ impl<'a> ImageSaver<'a> {
     ///
     /// # Errors
     /// If the crop is not within the image, or there is no memory for a film.
-    fn new(outputs: &'a Outputs<'a>, scene: &PreparedScene, seconds: f64) -> Result<Self> {
+    fn new(
+        outputs: &'a Outputs<'a>,
+        (scene, has_entries): (&PreparedScene, bool),
+        seconds: f64,
+    ) -> Result<Self> {
         let window = window(scene, outputs.args.crop)?;
         let film = Film::new(window.width, window.height)?;
         let kept = Mutex::new(KeptTiles { film, pixels: 0, saved: Instant::now() });
         // Intervals that are too long mean never.
         let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-        let entries = outputs.entries(scene)?;
+        let entries = if has_entries { outputs.entries(scene)? } else { Vec::new() };
         Ok(Self { outputs, entries, window, every, kept, writing: AtomicBool::new(false) })
     }
 

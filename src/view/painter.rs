@@ -67,7 +67,7 @@ pub(super) struct Painter<'a> {
 /// If it cannot be loaded or prepared, or an image can no longer be decoded.
 pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) -> Result<()> {
     let (ready, view) = prepare(args, exchange, take_away, args.look, None)?;
-    let half = half_of_file(args, &ready, args.look);
+    let half = Half::of_file(args.scene_options.precision, args.tracer, ready.rays());
     let mut painter = Painter {
         args,
         exchange,
@@ -153,8 +153,8 @@ impl<'a> Painter<'a> {
             return Ok(false);
         }
         self.look = look;
+        self.halves.truncate(1);
         self.prepare_again()?;
-        self.halves = vec![half_of_file(self.args, &self.ready, look)];
         self.restart();
         Ok(true)
     }
@@ -385,10 +385,4 @@ impl<'a> Painter<'a> {
         let message = json!({"kind": "plan", "effects": plan, "passes": passes, "bvh": bvh});
         self.exchange.send(Kind::Plan, message.to_string());
     }
-}
-
-/// The half that shows a file as the command would, with this look.
-fn half_of_file(args: &ViewArgs, ready: &Ready, look: Option<Look>) -> Half {
-    let rays = if look.is_none() { ready.rays() } else { 1 };
-    Half::of_file(args.scene_options.precision, args.tracer, rays)
 }

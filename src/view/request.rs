@@ -59,7 +59,11 @@ impl Half {
 
     /// The camera of the file with its samples: each has one point on the lens.
     pub(super) fn camera(&self, own: &Camera) -> Camera {
-        let Some(points) = self.points() else { return *own };
+        let Some(mut points) = self.points() else { return *own };
+        // As the reader of a scene file has it.
+        if own.has_lens() && points.sampling == Sampling::Random {
+            points.sampling = Sampling::Jittered;
+        }
         own.resampled(Some(points), Some(Points { side: 1, ..points }))
     }
 

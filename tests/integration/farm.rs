@@ -103,7 +103,7 @@ fn checkpoint(file: &Path, resume: bool) -> Checkpoint {
     Checkpoint { file: file.to_owned(), every: Duration::from_secs(3600), resume }
 }
 
-/// Scenes whose pixels have one block of samples, and three.
+/// Scenes whose pixels have a few samples, and many.
 fn scenes() -> [PreparedScene; 2] {
     [([90, 70], 2), ([11, 9], 29)].map(|(size, antialias)| prepare(&ball(size, antialias)))
 }

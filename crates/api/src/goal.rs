@@ -77,6 +77,26 @@ pub struct Ending {
     pub each: f64,
 }
 
+impl Ending {
+    /// From measurements of some rows of an image with so many, with one sample: the seconds of layers, which take as long
+    /// for each sample, and those of files.
+    ///
+    /// # Errors
+    /// As `measure`.
+    pub fn of_rows(all: u32, mut measure: impl FnMut(u32) -> Result<[f64; 2]>) -> Result<Self> {
+        // What even one row takes does not grow.
+        let ([layers, files], band) = (measure(1)?, all.div_ceil(BANDS).max(2));
+        let [more_layers, more_files] = measure(band.min(all))?;
+        let times = f64::from(all) / f64::from(band);
+        let of_all = |one: f64, more: f64| times * (more - one).max(0.0);
+        let fixed = layers + files + of_all(files, more_files);
+        Ok(Self { fixed, each: of_all(layers, more_layers) })
+    }
+}
+
+/// The part of an image with which is measured what all of it takes.
+const BANDS: u32 = 8;
+
 /// Why a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -106,7 +126,7 @@ pub struct Reached {
     pub passes: u32,
     /// See there.
     pub seconds: f64,
-    /// The share of the last pass that a checkpoint held.
+    /// The share of its samples that a checkpoint held.
     pub resumed: f64,
 }
 
@@ -154,8 +174,11 @@ impl Goal {
     /// The warning that an error of the image of `file` was not reached, if one was asked for.
     pub fn unreached(&self, reached: &Reached, file: &Path) -> Option<Warning> {
         let target = self.error.filter(|_| reached.end != End::Error)?;
-        let found = reached.error.map_or("unknown".to_owned(), |error| format!("{error:.3e}"));
-        let message = format!("the target error {target} was not reached: it is {found}");
+        let found = match reached.error {
+            Some(error) if error > target => format!("it is {error:.3e}"),
+            _ => format!("it is not certain after {} samples", reached.samples),
+        };
+        let message = format!("the target error {target} was not reached: {found}");
         let remedy = match reached.end {
             End::Samples => "choose a larger error, or more samples if there are any",
             _ => "choose a larger error, or give more time",
@@ -176,23 +199,32 @@ struct Pursuit<'a> {
 
 impl Pursuit<'_> {
     fn follow(&self, scene: &mut PreparedScene) -> Result<Reached> {
-        let resumed = self.passes.resumed().unwrap_or_default();
+        let begun = self.passes.pass();
+        let held = self.passes.resumed().map_or(0.0, |share| match begun.to - begun.from {
+            0 => f64::from(begun.from),
+            more => f64::from(begun.from) + share * f64::from(more),
+        });
         let (mut work, mut count, mut all) = (None::<RenderWork>, 0, 0.0);
-        let (mut ending, mut pace, mut slope) = (Ending::default(), None, SLOPES[1]);
+        let (mut pace, mut slope) = (None, SLOPES[1]);
+        let mut ending = if begun.from > 0 { self.ending(scene)? } else { Ending::default() };
         let end = loop {
             let pass = self.passes.pass();
             let left = self.left(&ending, pass.from);
             let next = if pass.to > pass.from {
                 Ok(pass.to)
             } else {
-                next(self.goal, pass, slope, pace.map(|seconds: f64| left / seconds))
+                let each = pace.map(|seconds: f64| left / (seconds + ending.each));
+                next(self.goal, pass, slope, each)
             };
             let to = match next {
                 Ok(to) => to,
                 Err(end) => break end,
             };
             // The first pass makes an image at least.
-            let left = if pass.from == 0 { f64::INFINITY } else { left };
+            let left = match pass.from {
+                0 => f64::INFINITY,
+                from => left - ending.each * f64::from(to - from),
+            };
             let start = Instant::now();
             let until = Until { watch: self.job.watch, start, left };
             let done = self.passes.advance(scene, to, &until, self.job.warn)?;
@@ -207,24 +239,38 @@ impl Pursuit<'_> {
                 break if is_cancelled { End::Cancelled } else { End::Time };
             }
             (count, all) = (count + 1, all + seconds);
-            pace = Some(seconds / f64::from(to - pass.from));
+            // Of a pass that a checkpoint held in part the time says nothing.
+            let is_whole = pass.to == pass.from || self.passes.resumed().is_none();
+            pace = is_whole.then(|| seconds / f64::from(to - pass.from));
             if let (Some(before), Some(error)) = (pass.error, now.error) {
                 let more = f64::from(to) / f64::from(pass.from);
                 let ratio = libm::log(error / before) / libm::log(more);
                 slope = if ratio.is_finite() { ratio.clamp(SLOPES[0], SLOPES[1]) } else { slope };
             }
             self.job.watch.pass(now.from, now.error);
-            if pass.from == 0 && self.goal.seconds.is_some() {
-                let of_all = std::mem::replace(&mut scene.camera, self.camera.in_sequence(1));
-                let measured = (self.job.ending)(scene, &self.passes.painted()?.film);
-                scene.camera = of_all;
-                ending = measured?;
+            if pass.from == 0 {
+                ending = self.ending(scene)?;
             }
         };
         let Pass { from: samples, error, .. } = self.passes.pass();
         let work = work.unwrap_or_else(|| RenderWork::none(scene));
         let rendered = Rendered::new(self.passes.painted()?, work);
+        let resumed = if samples > 0 { held / f64::from(samples) } else { 0.0 };
         Ok(Reached { rendered, samples, error, end, passes: count, seconds: all, resumed })
+    }
+
+    /// What is to be done after the last sample, if there is a time for that.
+    fn ending(&self, scene: &mut PreparedScene) -> Result<Ending> {
+        if self.goal.seconds.is_none() {
+            return Ok(Ending::default());
+        }
+        let of_all = std::mem::replace(&mut scene.camera, self.camera.in_sequence(1));
+        let measured = (self.job.ending)(scene, &self.passes.painted()?.film);
+        scene.camera = of_all;
+        let Ending { fixed, each } = measured?;
+        let start = Instant::now();
+        self.passes.save(self.job.warn);
+        Ok(Ending { fixed: fixed + start.elapsed().as_secs_f64(), each })
     }
 
     /// The seconds that are left for passes after this number of samples.

@@ -211,7 +211,8 @@ pub use wavecrest_image::aov::{Layer, Layers, Request as LayerRequest, layers};
 
 // Image files and their metadata.
 pub use wavecrest_core::math::srgb::srgb_decode;
-pub use wavecrest_image::farm::Identity;
+pub use wavecrest_image::farm::checkpoint::Checkpoint;
+pub use wavecrest_image::farm::{Author, Identity, Pass, Passes};
 pub use wavecrest_image::metadata::{Channel, Entry, Extras, Values};
 pub use wavecrest_image::read::read as read_image;
 pub use wavecrest_image::write::{

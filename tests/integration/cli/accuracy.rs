@@ -53,4 +53,6 @@ fn a_render_for_an_error_tells_its_samples_and_its_error() {
     );
     assert!(said.contains("the target error 0.000000001 was not reached"), "{said}");
     assert_eq!(json_in(folder.path(), "s.json")["goal"]["end"], json!("time"));
+    let output = run(folder.path(), &["ball.json", "-", "-q", "--time-budget", "0.3"]);
+    assert!(output.stdout.starts_with(b"\x89PNG"), "{}", text(&output.stderr));
 }

@@ -82,8 +82,10 @@ pub struct Camera {
     /// `right` and `up` scaled to half the image at distance 1.
     half: [Vec3; 2],
     size: [u32; 2],
-    /// Number of points within a pixel; 1 is the pixel's centre. A square, if they are jittered.
+    /// Number of points within a pixel. A square, if they are jittered.
     points: u32,
+    /// Whether the only point is the pixel's centre.
+    centred: bool,
     /// Distribution of the points within a pixel.
     sampling: Sampling,
     lens: Option<Lens>,
@@ -110,6 +112,7 @@ impl Camera {
             half: [(right * half[0]).as_vec3(), (up * half[1]).as_vec3()],
             size: placement.size,
             points: antialias * antialias,
+            centred: antialias == 1,
             sampling,
             lens,
         }
@@ -117,7 +120,8 @@ impl Camera {
 
     /// The camera at another placement, with the same lens and the same points in the pixel and on the lens.
     pub fn placed(&self, placement: &Placement) -> Self {
-        Self { points: self.points, ..Self::new(placement, 1, self.sampling, self.lens) }
+        let Self { points, centred, sampling, lens, .. } = *self;
+        Self { points, centred, ..Self::new(placement, 1, sampling, lens) }
     }
 
     /// Width and height of the image in pixels.
@@ -145,6 +149,7 @@ impl Camera {
         let mut camera = *self;
         if let Some(points) = pixel {
             (camera.points, camera.sampling) = (points.count(), points.sampling);
+            camera.centred = points.side == 1;
         }
         if let (Some(points), Some(lens)) = (lens, &mut camera.lens) {
             (lens.sampling, lens.grid) = (points.sampling, [points.side; 2]);
@@ -153,10 +158,10 @@ impl Camera {
     }
 
     /// The camera with this number of Sobol points in each pixel, each with one on the lens: the first points of a
-    /// sequence, whatever their number, but for a single one.
+    /// sequence, whatever their number, even for a single one.
     pub fn in_sequence(&self, points: u32) -> Self {
         let one = Points { sampling: Sampling::Sobol, side: 1 };
-        Self { points, ..self.resampled(Some(one), Some(one)) }
+        Self { points, centred: false, ..self.resampled(Some(one), Some(one)) }
     }
 
     /// Number of points within a pixel.
@@ -187,7 +192,7 @@ impl Camera {
     pub fn rays<F: Single>(&self, [x, y]: [F; 2], stream: Stream, streams: [&[u32]; 2]) -> Line<F> {
         let (token, n) = (x.token(), self.points.isqrt());
         let mut within = [F::splat(token, 0.5); 2];
-        if self.points != 1 {
+        if !self.centred {
             let draw = Draw { dimension: DIMENSION, first: 0, scramble: DIMENSION, grid: [n, n] };
             let index = |sample| (divide(sample, self.lens_points()).0, sample);
             within = self.sampling.points(token, stream, streams, draw, index);
@@ -230,7 +235,7 @@ impl Camera {
     #[inline]
     pub fn footprint(&self, sample: u32) -> f32 {
         let rays = match self.sampling {
-            _ if self.points == 1 => 1,
+            _ if self.centred => 1,
             Sampling::Sobol => SHARPER * (sample + 1).next_power_of_two(),
             Sampling::Random | Sampling::Jittered => self.rays_per_pixel(),
         };

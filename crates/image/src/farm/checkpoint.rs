@@ -20,13 +20,16 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// The passes in the file for the render of `header`, and their units. Tiles with samples that are not finite are
+    /// The passes in the file for the render of `header`, their units, and whether some are left out. Tiles with samples that are not finite are
     /// left out and rendered again, so that these samples are counted and located again.
     ///
     /// # Errors
     /// If the file is damaged or of another render, or if it exists but resuming was not requested:
     /// no work is discarded.
-    pub(super) fn load(&self, header: &PartHeader) -> Result<Option<(Pass, Vec<StoredUnit>)>> {
+    pub(super) fn load(
+        &self,
+        header: &PartHeader,
+    ) -> Result<Option<(Pass, Vec<StoredUnit>, bool)>> {
         if !self.check()? {
             return Ok(None);
         }
@@ -40,7 +43,7 @@ impl Checkpoint {
             units.push(unit);
         }
         units.retain(|unit: &StoredUnit| !invalid.contains(&unit.tile));
-        Ok(Some((reader.header.pass, units)))
+        Ok(Some((reader.header.pass, units, !invalid.is_empty())))
     }
 
     /// Whether there is a file to resume from; call it before long work.

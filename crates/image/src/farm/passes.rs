@@ -85,9 +85,14 @@ impl Passes {
         let held = checkpoint.as_ref().map_or(Ok(None), |checkpoint| checkpoint.load(&header))?;
         let is_resumed = held.is_some();
         let mut state = State { pass, is_new: !is_resumed, ..State::default() };
-        let (found, units) = held.unwrap_or((pass, Vec::new()));
+        let (mut found, units, misses) = held.unwrap_or((pass, Vec::new(), false));
+        if misses {
+            // What is missing is rendered first: without a finished pass.
+            let to = if towards && found.from > 0 { found.from } else { found.to };
+            found = Pass { to, error: found.error, ..Pass::default() };
+        }
         state.pass = found;
-        for unit in units {
+        for unit in units.into_iter().filter(|unit| unit.samples <= found.to) {
             let tile = state.units.entry(unit.tile).or_default();
             let Pass { half, from, .. } = state.pass;
             let unit = Arc::new(unit);
@@ -163,7 +168,7 @@ impl Passes {
     ) -> Result<RenderWork> {
         let mut state = lock(&self.state);
         let Pass { from, to: begun, .. } = state.pass;
-        let to = if begun > from { begun } else { to };
+        let to = if begun > from { begun } else { to.max(from) };
         state.pass.to = to;
         let all = self.pixels();
         let pixels = AtomicU64::new(0);
@@ -175,7 +180,7 @@ impl Passes {
                 watch.progress(pixels.fetch_add(tile, Ordering::Relaxed) + tile, all);
             }
         };
-        let mut todo = Vec::new();
+        let (mut todo, mut done) = (Vec::new(), Vec::new());
         for &tile in &self.tiles {
             let TileState { before, now, .. } = state.units.entry(tile).or_default();
             let held = now.as_ref().or(before.as_ref());
@@ -183,12 +188,13 @@ impl Passes {
             if samples < to {
                 let sums = held.map(|unit| Arc::clone(&unit.sums));
                 todo.push(Task { tile, samples: samples..to, sums });
-            } else if let Some(unit) = held {
-                paint(&unit.summed());
+            } else {
+                done.extend(held.cloned());
             }
         }
         state.is_new |= !todo.is_empty();
         drop(state);
+        done.iter().for_each(|unit| paint(&unit.summed()));
         let keep = |summed: &Summed<'_>| {
             let added = self.keep(summed);
             self.done.fetch_add(added, Ordering::Relaxed);
@@ -218,7 +224,7 @@ impl Passes {
         let mut state = lock(&self.state);
         let Pass { from, to, .. } = state.pass;
         let ends = |of: &TileState| of.now.as_ref().is_some_and(|unit| unit.samples == to);
-        if to == from || state.units.len() < self.tiles.len() || !state.units.values().all(ends) {
+        if to == from || !self.tiles.iter().all(|tile| state.units.get(tile).is_some_and(ends)) {
             return;
         }
         let doubles = to >= 2 * state.pass.half;
@@ -268,12 +274,6 @@ impl Passes {
             painted.pixels += tile.len() as u64;
         }
         Ok(painted)
-    }
-
-    /// Samples that were not finite, of the image.
-    pub fn invalid(&self) -> u64 {
-        let units = &lock(&self.state).units;
-        units.values().filter_map(|of| of.before.as_ref()).map(|unit| unit.invalid).sum()
     }
 
     /// Writes what is finished as a part.

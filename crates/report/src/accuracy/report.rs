@@ -7,7 +7,7 @@
 //! | `share` | | the largest share of the processors that the threads got in a round; `null` where the system does not tell |
 //! | `answer` | | the sampler and the number of points that reach an error in the least time, in seconds from the command to the image: |
 //! | `.least` | | the least error of all measured settings, up to the end of its interval |
-//! | `.family`, `.counted` | | what is varied for a smaller error, as by `--target-error` |
+//! | `.family`, `.counted` | | what is varied for a smaller error |
 //! | `.errors[].error` | | root mean squared error |
 //! | `..sampler`, `.points` | | the fastest of all measured settings whose error is at most this one: its sampler and its number of points; `null` if none is |
 //! | `..seconds`, `.tracing` | seconds | its time: loading, building and tracing; tracing only |
