@@ -152,6 +152,9 @@ impl<'a> Painter<'a> {
         if look == self.look {
             return Ok(false);
         }
+        if !self.ready.is_as_read(self.exchange) {
+            return Ok(false);
+        }
         self.look = look;
         self.halves.truncate(1);
         self.prepare_again()?;
@@ -236,7 +239,8 @@ impl<'a> Painter<'a> {
     fn refine(&mut self) -> Result<bool> {
         // As `render` would prepare it.
         let is_fast = self.args.scene_options.precision == Precision::Fast;
-        if !is_fast && frame::origin(&self.steering.view) != self.ready.scene.origin {
+        let is_far = || frame::origin(&self.steering.view) != self.ready.scene.origin;
+        if !is_fast && is_far() && self.ready.is_as_read(self.exchange) {
             self.prepare_again()?;
         }
         for index in 0..self.halves.len() {

@@ -1,11 +1,15 @@
 //! The scene of pages: prepared once for a camera that goes anywhere, and placed for each render.
 
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
+use std::time::SystemTime;
 
 use glam::DVec3;
+use serde_json::json;
 
 use super::ViewArgs;
-use super::exchange::Exchange;
+use super::exchange::{Exchange, Kind};
 use super::request::Half;
 use super::steering::Steering;
 use super::take_away::TakeAway;
@@ -43,6 +47,16 @@ pub(super) struct Ready {
     pub(super) transfer: Transfer,
     /// The box around everything.
     pub(super) ends: [DVec3; 2],
+    /// The files that were read, as they were then.
+    files: Vec<(PathBuf, Option<Stamp>)>,
+}
+
+/// The length of a file, and when it was changed last.
+type Stamp = (u64, Option<SystemTime>);
+
+fn stamp(file: &Path) -> Option<Stamp> {
+    let found = fs::metadata(file).ok()?;
+    Some((found.len(), found.modified().ok()))
 }
 
 /// Reads and prepares the scene, as pages are shown; once more if there is a `view` already.
@@ -62,9 +76,11 @@ pub(super) fn prepare(
     let quiet = args.scene_options.quiet || view.is_some();
     let options = &SceneOptions { quiet, ..args.scene_options.clone() };
     let preparing = api::SceneOptions { look, ..options.preparing(Some(&args.search)) };
-    let mut start = None;
+    let (mut start, mut files) = (None, Vec::new());
     let session = options.session(&args.scene, &preparing, |loaded| {
         take_away.keep(loaded)?;
+        let all = std::iter::once(&args.scene).chain(&loaded.files);
+        files = all.map(|file| (file.clone(), stamp(file))).collect();
         check_size(args, start.insert(free_camera(&mut loaded.world, view)?))
     })?;
     let Session { scene, preset, transfer, .. } = session;
@@ -78,7 +94,7 @@ pub(super) fn prepare(
     let ends = ends.map(|end| end + scene.origin);
     exchange.prepares.store(false, Ordering::Relaxed);
     let view = start.ok_or_else(|| Error::new(ErrorKind::Scene, "there is no camera"))?;
-    Ok((Ready { scene, preset, camera, original, transfer, ends }, view))
+    Ok((Ready { scene, preset, camera, original, transfer, ends, files }, view))
 }
 
 /// Refuses an image that is too large for a page.
@@ -93,6 +109,17 @@ fn check_size(args: &ViewArgs, view: &View) -> Result<()> {
 }
 
 impl Ready {
+    /// Whether the files are still what was read; pages are told if not, and what they show stays that.
+    pub(super) fn is_as_read(&self, exchange: &Exchange) -> bool {
+        let mut changed = self.files.iter().filter(|(file, read)| stamp(file) != *read);
+        let Some((file, _)) = changed.next() else { return true };
+        let words =
+            format!("{} has changed since it was read: it is shown as it was", file.display());
+        let message = json!({"kind": "error", "message": words});
+        exchange.send(Kind::Error, message.to_string());
+        false
+    }
+
     /// Frees what is large: two scenes would take twice the memory.
     pub(super) fn free(&mut self) {
         self.scene.accel = Accel::unbuilt(Geometry::default());

@@ -32,26 +32,34 @@ pub(super) struct TakeAway {
     file: PathBuf,
     /// Options that change the file's meshes or its background, as words of a command.
     options: [Vec<String>; 2],
-    /// The scene file of another kind of file, once that is read.
-    converted: Mutex<Option<Value>>,
+    /// What was read, as a scene file, unless that is too long.
+    scene: Mutex<Option<Value>>,
 }
 
 impl TakeAway {
     /// `of_meshes` are the options of the command that `convert` needs too, `of_image` those of a scene file.
     pub(super) fn new(file: &Path, of_meshes: Vec<String>, of_image: Vec<String>) -> Self {
         let options = [of_meshes, of_image];
-        Self { file: file.to_owned(), options, converted: Mutex::default() }
+        Self { file: file.to_owned(), options, scene: Mutex::default() }
     }
 
-    /// Keeps what `scene` is as a scene file, unless it is one: with the lights for what it is to show.
+    /// Keeps what `scene` is as a scene file: with the lights for what it is to show.
     ///
     /// # Errors
     /// If it cannot be one.
     pub(super) fn keep(&self, scene: &LoadedScene) -> Result<()> {
-        if FileFormat::of(&self.file)? != FileFormat::Scene {
-            *lock(&self.converted) = Some(contents(scene, &self.named(PARTS))?);
-        }
+        let kept = if self.is_scene() {
+            read(&self.file)
+        } else {
+            Some(contents(scene, &self.named(PARTS))?)
+        };
+        *lock(&self.scene) = kept;
         Ok(())
+    }
+
+    /// Whether the file is a scene file, beside which another one finds its meshes.
+    fn is_scene(&self) -> bool {
+        FileFormat::of(&self.file).is_ok_and(|format| format == FileFormat::Scene)
     }
 
     /// The name of the file, with another extension.
@@ -73,7 +81,7 @@ impl TakeAway {
         };
         match name {
             "scene.json" => {
-                let mut scene = lock(&self.converted).clone().or_else(|| read(&self.file))?;
+                let mut scene = lock(&self.scene).clone()?;
                 place(&mut scene, &view, points)?;
                 let text = serde_json::to_string_pretty(&scene).ok()? + "\n";
                 Some(("application/json", text.into_bytes()))
@@ -99,7 +107,7 @@ impl TakeAway {
                 .chain(of_image.clone())
                 .chain(differs),
         );
-        if lock(&self.converted).is_none() {
+        if self.is_scene() {
             let beside = self.file.display();
             return (
                 render,

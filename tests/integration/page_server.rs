@@ -155,6 +155,34 @@ fn odd_numbers_change_nothing_and_end_nothing() {
     while socket.next("state")["camera"] != first["camera"] {}
 }
 
+/// What is shown and saved stays what was read.
+#[test]
+fn a_file_that_changes_or_vanishes_neither_ends_the_page_nor_mixes_in() {
+    let folder = folder();
+    let file = folder.path().join("scene.json");
+    std::fs::copy(repository("scenes/hard/tiny-scene.json"), &file).expect("a copy");
+    let shown = Shown::begin_of(&file, |command| command.arg("--no-open"));
+    let mut socket = shown.socket();
+    socket.next("state");
+    socket.send(r#"{"do":"look","look":"normals"}"#);
+    while socket.next("state")["look"] != "normals" {}
+    let saved = |shown: &Shown| shown.ask("GET /TOKEN/scene.json HTTP/1.1\r\nHost: HOST\r\n\r\n");
+    let before = saved(&shown);
+    std::fs::write(&file, "{}").expect("a file");
+    for gone in [false, true] {
+        if gone {
+            std::fs::remove_file(&file).expect("it is there");
+        }
+        socket.send(r#"{"do":"look","look":"depth"}"#);
+        let told = socket.next("error")["message"].take().to_string();
+        assert!(told.contains("scene.json has changed since it was read"), "{told}");
+        assert!(socket.probe([0.5, 0.25]).is_object());
+        let without_date =
+            |answer: &str| answer.split_once("\r\n\r\n").expect("a body").1.to_owned();
+        assert_eq!(without_date(&saved(&shown)), without_date(&before));
+    }
+}
+
 #[test]
 #[cfg(unix)]
 fn the_address_among_the_arguments_of_the_browser_leads_to_the_page_once() {

@@ -2,6 +2,7 @@
 
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, TcpStream};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -36,7 +37,11 @@ impl Shown {
 
     /// Shows it by a command that is changed.
     pub(super) fn begin_with(change: impl FnOnce(&mut Command) -> &mut Command) -> Self {
-        let file = repository("scenes/hard/tiny-scene.json");
+        Self::begin_of(&repository("scenes/hard/tiny-scene.json"), change)
+    }
+
+    /// Shows a file.
+    pub(super) fn begin_of(file: &Path, change: impl FnOnce(&mut Command) -> &mut Command) -> Self {
         let mut command = wavecrest(&repository(""));
         command.args(["view", "--size", "12x8", "-q"]).arg(file);
         let mut process =
