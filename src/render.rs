@@ -2,8 +2,7 @@
 
 mod args;
 mod frames;
-mod goal;
-mod once;
+mod image;
 mod outputs;
 mod renderer;
 mod shard;

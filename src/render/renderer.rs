@@ -3,8 +3,7 @@
 use std::time::Instant;
 
 use super::args::RenderArgs;
-use super::goal::{Outcome, render_to_goal};
-use super::once::{find_invalid, interrupted, share};
+use super::image::{Outcome, find_invalid, interrupted, render_image, share};
 use super::outputs::Outputs;
 use crate::common::{grouped, seconds, tell_all};
 use crate::interrupt;
@@ -135,7 +134,7 @@ impl<'a> Renderer<'a> {
             self.progress.frame(self.finished as u64 + 1, frames as u64);
         }
         let (progress, scene, start) = (&self.progress, &mut self.scene, self.start);
-        let aimed = || render_to_goal(outputs, progress, scene, start);
+        let aimed = || render_image(outputs, progress, scene, start);
         let outcome = timed(&mut self.time.trace, aimed)?;
         let Rendered { counters, finished, pass_seconds, .. } = &outcome.rendered;
         if !finished {

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::args::RenderArgs;
-use super::once::{begin, find_invalid, go_on};
+use super::image::{begin, find_invalid, go_on};
 use super::outputs::Outputs;
 use super::renderer::Renderer;
 use super::show::{Show, warn};

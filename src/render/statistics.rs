@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::goal::Outcome;
+use super::image::Outcome;
 use super::renderer::Renderer;
 use crate::common::{to_json, write_text};
 use wavecrest_base::error::Result;
