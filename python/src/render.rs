@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use wavecrest_api::components::{CameraPath, View};
 use wavecrest_api::glam::DMat4;
-use wavecrest_api::goal::{Ending, Goal, Job};
+use wavecrest_api::goal::{Goal, Job};
 use wavecrest_api::hecs::{Entity, World};
 use wavecrest_api::memory::check_room;
 use wavecrest_api::session::{SceneOptions, Session};
@@ -139,16 +139,10 @@ impl Task {
         let rendered = match goal {
             None => api::render(scene, &rendering, until)?,
             Some(goal) => {
-                let ending = |scene: &api::PreparedScene, film: &api::Film| {
-                    if layers.is_empty() {
-                        return Ok(Ending::default());
-                    }
-                    let width = film.width();
-                    Ending::of_rows(film.height(), |height| {
-                        let (start, y) = (Instant::now(), (film.height() - height) / 2);
-                        channels(scene, 0, Some(api::Tile { x: 0, y, width, height }))?;
-                        Ok([start.elapsed().as_secs_f64(), 0.0])
-                    })
+                let ending = |scene: &api::PreparedScene, film: &api::Film, height| {
+                    let (start, y) = (Instant::now(), (film.height() - height) / 2);
+                    channels(scene, 0, Some(api::Tile { x: 0, y, width: film.width(), height }))?;
+                    Ok([start.elapsed().as_secs_f64(), 0.0])
                 };
                 let passes = Goal::passes(scene, rendering, Default::default())?;
                 let job = Job { ending: &ending, ..Job::new(until) };

@@ -60,7 +60,7 @@ pub(super) fn render_image(
     if passes.pass().from > 0 {
         show.go_on(passes.painted()?.film);
     }
-    let ending = &|scene: &PreparedScene, film: &Film| Ok(outputs.rehearse(scene, film));
+    let ending = &|scene: &PreparedScene, film: &Film, rows| outputs.rehearse(scene, film, rows);
     let reached = goal.render(scene, &passes, &Job { watch: &show, warn: &warn, ending })?;
     let Reached { samples, error: found, end, passes, seconds: spent, resumed, .. } = reached;
     if reached.rendered.finished {

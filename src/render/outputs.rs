@@ -5,9 +5,7 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 use super::args::RenderArgs;
-use super::show::warn;
 use crate::common::command_words;
-use wavecrest_api::goal::Ending;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::film::Film;
@@ -104,15 +102,17 @@ impl<'a> Outputs<'a> {
         Author { scene, command: command_words(), transfer }
     }
 
-    /// Measures what [`Outputs::write`] takes for `film` and its `scene` with one sample, by writing parts of it elsewhere. If
-    /// that is not possible, nothing is kept for it.
-    pub(super) fn rehearse(&self, scene: &PreparedScene, film: &Film) -> Ending {
-        let measured = Ending::of_rows(film.height(), |rows| self.rehearse_rows(scene, film, rows));
-        measured.inspect_err(warn).unwrap_or_default()
-    }
-
-    /// The seconds of the layers, and of the files, of so many rows.
-    fn rehearse_rows(&self, scene: &PreparedScene, film: &Film, height: u32) -> Result<[f64; 2]> {
+    /// The seconds that layers and files of so many rows of `film` take, with the samples of the `scene`: parts are written
+    /// elsewhere.
+    ///
+    /// # Errors
+    /// As [`Outputs::write`].
+    pub(super) fn rehearse(
+        &self,
+        scene: &PreparedScene,
+        film: &Film,
+        height: u32,
+    ) -> Result<[f64; 2]> {
         let (width, y) = (film.width(), (film.height() - height) / 2);
         let RenderArgs { crop, seed, .. } = *self.args;
         let [left, top] = crop.map_or([0, 0], |crop| [crop.x, crop.y]);

@@ -33,7 +33,7 @@ const PARTS: u32 = 8;
 const PLANNED: f64 = 0.88;
 
 /// What is kept of a time for the end of the process, as a share and in seconds.
-const KEPT: [f64; 2] = [0.01, 0.005];
+const KEPT: [f64; 2] = [0.01, 0.015];
 
 /// Possible slopes of the error: -1/2 for independent points; none fall faster than with the power
 /// -3/2 of their number.
@@ -56,46 +56,31 @@ pub struct Job<'a> {
     pub watch: &'a dyn Watch,
     /// Receives failures of the checkpoint, which do not end it.
     pub warn: &'a (dyn Fn(&Error) + Sync),
-    /// Measures, with the image of one sample, what is to be done after the last: see [`Ending`].
-    pub ending: &'a dyn Fn(&PreparedScene, &Film) -> Result<Ending>,
+    /// The seconds of what is to be done after the last sample, for so many rows of the image, with the samples of the
+    /// scene: of layers, and of files.
+    pub ending: &'a Rehearsal<'a>,
 }
+
+/// Measures the end of a render: see [`Job::ending`].
+pub type Rehearsal<'a> = dyn Fn(&PreparedScene, &Film, u32) -> Result<[f64; 2]> + 'a;
 
 impl<'a> Job<'a> {
     /// A render without a checkpoint that needs no time after its last sample.
     pub fn new(watch: &'a dyn Watch) -> Self {
-        let ending = &|_: &PreparedScene, _: &Film| Ok(Ending::default());
-        Self { watch, warn: &|_| {}, ending }
+        Self { watch, warn: &|_| {}, ending: &|_, _, _| Ok([0.0; 2]) }
     }
 }
 
-/// The seconds that are needed after the last sample: for files, and for each sample, for layers.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Ending {
-    /// In any case.
-    pub fixed: f64,
-    /// For each sample of each pixel.
-    pub each: f64,
+/// The seconds that are needed after the last sample: in any case, and for each sample of each pixel.
+#[derive(Clone, Copy, Default)]
+struct Ending {
+    fixed: f64,
+    each: f64,
 }
 
-impl Ending {
-    /// From measurements of some rows of an image with so many, with one sample: the seconds of layers, which take as long
-    /// for each sample, and those of files.
-    ///
-    /// # Errors
-    /// As `measure`.
-    pub fn of_rows(all: u32, mut measure: impl FnMut(u32) -> Result<[f64; 2]>) -> Result<Self> {
-        // What even one row takes does not grow.
-        let ([layers, files], band) = (measure(1)?, all.div_ceil(BANDS).max(2));
-        let [more_layers, more_files] = measure(band.min(all))?;
-        let times = f64::from(all) / f64::from(band);
-        let of_all = |one: f64, more: f64| times * (more - one).max(0.0);
-        let fixed = layers + files + of_all(files, more_files);
-        Ok(Self { fixed, each: of_all(layers, more_layers) })
-    }
-}
-
-/// The part of an image with which is measured what all of it takes.
+/// The part of an image with which is measured what all of it takes, and the samples of its layers.
 const BANDS: u32 = 8;
+const LAYERED: u32 = 5;
 
 /// Why a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -259,17 +244,30 @@ impl Pursuit<'_> {
         Ok(Reached { rendered, samples, error, end, passes: count, seconds: all, resumed })
     }
 
-    /// What is to be done after the last sample, if there is a time for that.
+    /// What is to be done after the last sample, if there is a time for that; nothing if it cannot be measured.
     fn ending(&self, scene: &mut PreparedScene) -> Result<Ending> {
         if self.goal.seconds.is_none() {
             return Ok(Ending::default());
         }
-        let of_all = std::mem::replace(&mut scene.camera, self.camera.in_sequence(1));
-        let measured = (self.job.ending)(scene, &self.passes.painted()?.film);
+        let of_all = scene.camera;
+        let film = self.passes.painted()?.film;
+        let mut measure = |samples, rows| {
+            scene.camera = self.camera.in_sequence(samples);
+            (self.job.ending)(scene, &film, rows)
+        };
+        let band = film.height().div_ceil(BANDS);
+        let measured = measure(1, 1)
+            .and_then(|row| Ok([row, measure(1, band)?, measure(LAYERED, band)?]))
+            .inspect_err(self.job.warn);
         scene.camera = of_all;
-        let Ending { fixed, each } = measured?;
+        let [[row_layers, row_files], [layers, files], [more, _]] = measured.unwrap_or_default();
+        // What even one row takes does not grow with their number.
+        let times = f64::from(film.height()) / f64::from(band);
+        let of_all = |row: f64, band: f64| row + times * (band - row).max(0.0);
+        let each = times * (more - layers).max(0.0) / f64::from(LAYERED - 1);
         let start = Instant::now();
         self.passes.save(self.job.warn);
+        let fixed = of_all(row_files, files) + (of_all(row_layers, layers) - each).max(0.0);
         Ok(Ending { fixed: fixed + start.elapsed().as_secs_f64(), each })
     }
 
