@@ -226,6 +226,7 @@ fn halves_of_view_are_compared_and_a_pixel_is_followed() {
         choose(&mut browser, field, value);
     }
     browser.wait_for(&format!("{words} === 'A and B agree in all 19200 pixels.'"));
+    browser.settle();
     assert!(shown(&mut browser).pixels().all(|pixel| pixel.0 == [0; 3]));
 
     // A click follows the rays of its pixel, and leaves a white cross there until the camera moves.

@@ -16,7 +16,7 @@ use crate::prepared::PreparedScene;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
 use backdrop::Backdrop;
-use units::{Grid, Order};
+use units::Grid;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use work::{RenderWork, Summed, Task, TaskList};
 
@@ -91,25 +91,10 @@ pub fn render(
     options: &RenderOptions,
     watch: &dyn Watch,
 ) -> Result<Rendered> {
-    render_in_order(scene, options, watch, Order::Rows)
-}
-
-/// As [`render`], with the tiles in another `order`, which does not change the image.
-///
-/// # Errors
-/// As [`render`].
-pub fn render_in_order(
-    scene: &PreparedScene,
-    options: &RenderOptions,
-    watch: &dyn Watch,
-    order: Order,
-) -> Result<Rendered> {
     let grid = Grid::new(window(scene, options.crop)?, tile_edge(scene, options.batch));
     let samples = scene.camera.rays_per_pixel();
     let canvas = Canvas::new(grid, samples, watch)?;
-    let step = order.step(grid.len());
-    let tile = |number| (number as u64 * u64::from(step) % u64::from(grid.len())) as u32;
-    let task = |number| Task { tile: tile(number), samples: 0..samples, sums: None };
+    let task = |number| Task { tile: number as u32, samples: 0..samples, sums: None };
     let tasks = TaskList { grid, samples, count: grid.len() as usize, task: &task };
     let done = work::run(scene, options, &tasks, watch, &|summed| canvas.keep(summed))?;
     Ok(Rendered::new(canvas.finish(), done))

@@ -1,6 +1,7 @@
 //! The work and time of a render to expect, from a pilot of some of its pixels.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
@@ -13,10 +14,9 @@ use wavecrest_base::error::Result;
 use wavecrest_base::parallel;
 use wavecrest_core::counters::{Counters, RayCounts, SampleCounts};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::units::Order;
-use wavecrest_core::render::{
-    RenderOptions, Rendered, TracerKind, Watch, camera_rays, render_in_order, work,
-};
+use wavecrest_core::render::units::{Grid, spread};
+use wavecrest_core::render::work::{self, RenderWork, Task, TaskList};
+use wavecrest_core::render::{RenderOptions, TracerKind, Watch, camera_rays, tile_edge, window};
 use wavecrest_core::tile::{Tile, TimedPass, Unit};
 
 /// The sides of a grid of pixels that tells how many rays a path has, and, at least and at most, of the pilot's own, which
@@ -113,10 +113,19 @@ fn timed(
     options: &RenderOptions,
     seconds: f64,
     share: impl Fn(&Counters) -> f64,
-) -> Result<(f64, Rendered)> {
+) -> Result<(f64, RenderWork)> {
     let until = Until(seconds, Instant::now(), Mutex::default());
-    let moment = render_in_order(scene, options, &until, Order::Spread)?;
-    let share = if moment.finished { 1.0 } else { share(&moment.counters) };
+    let grid = Grid::new(window(scene, options.crop)?, tile_edge(scene, options.batch));
+    let (samples, step) = (scene.camera.rays_per_pixel(), u64::from(spread(grid.len())));
+    let tile = |number: usize| (number as u64 * step % u64::from(grid.len())) as u32;
+    let task = |number| Task { tile: tile(number), samples: 0..samples, sums: None };
+    let tasks = TaskList { grid, samples, count: grid.len() as usize, task: &task };
+    let finished = AtomicU32::new(0);
+    let moment = work::run(scene, options, &tasks, &until, &|summed| {
+        finished.fetch_add(u32::from(summed.samples == samples), Ordering::Relaxed);
+    })?;
+    let is_finished = finished.into_inner() == grid.len();
+    let share = if is_finished { 1.0 } else { share(&moment.counters) };
     Ok((moment.seconds / share, moment))
 }
 
@@ -138,7 +147,7 @@ impl Watch for Until {
 fn count(scene: &PreparedScene, options: &RenderOptions, side: u32) -> (Counters, f64) {
     let start = Instant::now();
     let samples = u64::from(scene.camera.rays_per_pixel());
-    let step = u64::from(Order::Spread.step(scene.camera.rays_per_pixel()));
+    let step = u64::from(spread(scene.camera.rays_per_pixel()));
     let path = |(number, tile)| {
         let sample = (number * step % samples) as u32;
         Unit { tile, samples: sample..sample + 1 }

@@ -162,13 +162,14 @@ impl Mosaic<'_> {
 
     /// The image, or the description of a gap.
     fn finish(self) -> std::result::Result<Film, String> {
-        let found = self.canvas.finish();
-        let painted: BTreeSet<(u32, u32)> = found.tiles.iter().map(|t| (t.x, t.y)).collect();
-        let all = (0..self.grid.len()).map(|number| self.grid.tile(number)).map(|t| (t.x, t.y));
-        let missing: Vec<(u32, u32)> = all.filter(|tile| !painted.contains(tile)).collect();
+        let is_missing = |number: &u32| !self.known.contains_key(number);
+        let missing: Vec<u32> = (0..self.grid.len()).filter(is_missing).collect();
         match missing.first() {
-            None => Ok(found.film),
-            Some((x, y)) => Err(format!("{} tiles missing, the first at {x},{y}", missing.len())),
+            None => Ok(self.canvas.finish().film),
+            Some(&first) => {
+                let Tile { x, y, .. } = self.grid.tile(first);
+                Err(format!("{} tiles missing, the first at {x},{y}", missing.len()))
+            }
         }
     }
 }
