@@ -109,7 +109,7 @@ fn check_size(args: &ViewArgs, view: &View) -> Result<()> {
 }
 
 impl Ready {
-    /// Whether the files are still what was read; pages are told if not, and what they show stays that.
+    /// Whether no file has changed since it was read. If one has, pages are told, and keep what they show.
     pub(super) fn is_as_read(&self, exchange: &Exchange) -> bool {
         let mut changed = self.files.iter().filter(|(file, read)| stamp(file) != *read);
         let Some((file, _)) = changed.next() else { return true };

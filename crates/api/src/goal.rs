@@ -309,7 +309,8 @@ fn next(
         more = more.min(step * steps(wanted + f64::from(step)).max(1));
     }
     if goal.seconds.is_some() {
-        let affordable = PLANNED * affordable.unwrap_or(f64::INFINITY);
+        // Where no pass has told its time, after a resumption, the smallest does.
+        let affordable = affordable.map_or(f64::from(step), |samples| PLANNED * samples);
         if affordable < f64::from(more) {
             more = more.min(step * steps(affordable));
         }
@@ -336,5 +337,32 @@ impl Watch for Until<'_> {
 
     fn cancelled(&self) -> bool {
         self.watch.cancelled() || self.start.elapsed().as_secs_f64() > self.left
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pass_is_as_long_as_its_time_or_its_error_asks_for() {
+        let timed = Goal { seconds: Some((9.0, Instant::now())), ..Goal::default() };
+        let aimed = Goal { error: Some(1.0), ..Goal::default() };
+        let at = |from, error| Pass { from, to: from, error: Some(error), ..Pass::default() };
+        let next = |goal: &Goal, pass, affordable| next(goal, pass, SLOPES[1], affordable);
+        assert_eq!(next(&timed, at(64, 1.0), Some(1000.0)), Ok(128));
+        // In eighths of a doubling, of which 0.88 of what there is time for.
+        assert_eq!(next(&timed, at(64, 1.0), Some(40.0)), Ok(96));
+        assert_eq!(next(&timed, at(80, 1.0), Some(8.0)), Err(End::Time));
+        // Nothing is known after a resumption.
+        assert_eq!(next(&timed, at(64, 1.0), None), Ok(72));
+        // 1.1 squared times 64 is 77.
+        assert_eq!(next(&aimed, at(64, 1.1), None), Ok(80));
+        assert_eq!(next(&aimed, at(64, 1.0), None), Err(End::Error));
+        assert_eq!(next(&aimed, at(2, 0.5), None), Ok(4));
+        assert_eq!(next(&aimed, at(8, 0.0), None), Ok(16));
+        let few = Goal { samples: Some(13), ..aimed };
+        assert_eq!(next(&few, at(8, 5.0), None), Ok(13));
+        assert_eq!(next(&few, at(13, 5.0), None), Err(End::Samples));
     }
 }
