@@ -5,8 +5,9 @@
 use std::path::Path;
 use std::time::Instant;
 
+use wavecrest_api::SceneOptions;
 use wavecrest_api::goal::{Goal, Reached};
-use wavecrest_api::session::{SceneOptions, Session};
+use wavecrest_api::session::Session;
 use wavecrest_api::{LoadOptions, RenderOptions, Transfer, write_image};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -9,7 +9,7 @@ use super::common::{
     write_text,
 };
 use super::input::SceneOptions;
-use wavecrest_api::session::{self as api, Session};
+use wavecrest_api::{self as api, session::Session};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{Listed, check_differs, check_replaceable, make_folder};
 use wavecrest_core::accel::build::Preset;
@@ -140,7 +140,7 @@ fn check_scenes(args: &BenchArgs) -> Result<()> {
     // The first is read anyway before anything is timed or written.
     args.scenes.iter().skip(usize::from(old.is_empty())).try_for_each(|scene| {
         old.iter().try_for_each(|file| check_differs(file, scene, "the scene"))?;
-        let loaded = args.scene_options.read(scene, None)?;
+        let loaded = args.scene_options.read(scene)?;
         old.iter().try_for_each(|file| loaded.check_apart(file))
     })
 }

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::common::{print, rounded};
 use super::input::SceneOptions;
-use wavecrest_api::session::{self as api, Session};
+use wavecrest_api::{self as api, session::Session};
 use wavecrest_base::error::Result;
 use wavecrest_base::read::open;
 use wavecrest_base::words::{Size, counted};
@@ -14,6 +14,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::PrimitiveCounts;
 use wavecrest_core::kernels::light::Light;
 use wavecrest_core::kernels::texture::Image;
+use wavecrest_core::plan::schedule::UNPLANNED;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_scene::components::Ground;
 use wavecrest_scene::hecs::Entity;
@@ -47,7 +48,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         };
         // Every file is read, whether or not the image needs it; the tree is for the few test rays of warnings.
         let (usual, bvh) = (args.scene_options.preparing(None), Some(Preset::OnDemand));
-        let options = api::SceneOptions { all: true, at_once: true, bvh, ..usual };
+        let options = api::SceneOptions { passes: &UNPLANNED, at_once: true, bvh, ..usual };
         let Session { scene, .. } = args.scene_options.session(&args.scene, &options, contents)?;
         let mut lines = summary(&scene);
         let line = |file: &PathBuf| ("file", format!("{}{}", file.display(), bytes_of(file)));

@@ -42,7 +42,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     check_free(&args.output, args.force)?;
     args.input_options.check(&args.input)?;
     let _reading = Display::new(Style::Auto, args.quiet);
-    let mut scene = load(&args.input, &args.input_options.load_options(None))?;
+    let mut scene = load(&args.input, &args.input_options.load_options())?;
     tell_all(&mut scene.warnings, &mut scene.notes, args.quiet);
     let written = write(&scene, &args.output, args.force).map_err(|e| e.in_file(&args.input))?;
     if !args.quiet {

@@ -12,12 +12,11 @@ use crate::common::{
     whole, with_names,
 };
 use crate::progress::{Display, Style};
-use wavecrest_api::session::{self as api, Session};
+use wavecrest_api::{self as api, session::Session};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
-use wavecrest_image::look::Look;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{
@@ -97,18 +96,14 @@ impl InputOptions {
         self.background == Some(Background::Transparent)
     }
 
-    /// The options for the loader; without the ground of the lights, which is not part of the file and has its own
-    /// edges and depth, for looks other than clay.
-    pub(crate) fn load_options(&self, look: Option<Look>) -> LoadOptions {
+    /// The options for the loader.
+    pub(crate) fn load_options(&self) -> LoadOptions {
         let Self { allow_outside, up, fov, fit, turntable, .. } = *self;
         let [width, height] = self.size.map_or([self.width, self.height], |size| size.map(Some));
         let side = self.from.map(|eye| Side::Point { eye, look: self.at }).or(self.view);
         let usual = Lighting::default();
         let lighting = Lighting {
-            rig: match self.lights.unwrap_or(usual.rig) {
-                Rig::Studio if !matches!(look, None | Some(Look::Clay)) => Rig::Headlight,
-                rig => rig,
-            },
+            rig: self.lights.unwrap_or(usual.rig),
             replaces: self.lights.is_some(),
             background: self.background,
             crease_degrees: self.crease.unwrap_or(usual.crease_degrees),
@@ -230,22 +225,28 @@ impl SceneOptions {
         options: &api::SceneOptions,
         change: impl FnOnce(&mut LoadedScene) -> Result<()>,
     ) -> Result<Session> {
-        let mut loaded = {
-            let _reading = Display::new(Style::Auto, self.quiet);
-            self.read(scene, options.look)?
-        };
-        tell_all(&mut loaded.warnings, &mut loaded.notes, self.quiet);
+        let mut loaded = self.load(scene)?;
         change(&mut loaded)?;
         let mut session = Session::of(loaded, options, |_| Ok(()))?;
         tell_all(&mut session.warnings, &mut session.notes, self.quiet);
         Ok(session)
     }
 
+    /// Reads `scene` with a bar, and prints its warnings.
+    pub(crate) fn load(&self, scene: &Path) -> Result<LoadedScene> {
+        let mut loaded = {
+            let _reading = Display::new(Style::Auto, self.quiet);
+            self.read(scene)?
+        };
+        tell_all(&mut loaded.warnings, &mut loaded.notes, self.quiet);
+        Ok(loaded)
+    }
+
     /// Reads `scene`, within the limit of memory.
-    pub(crate) fn read(&self, scene: &Path, look: Option<Look>) -> Result<LoadedScene> {
+    pub(crate) fn read(&self, scene: &Path) -> Result<LoadedScene> {
         self.input.check(scene)?;
         allocator::begin(scene, self.memory_limit);
-        load(scene, &LoadOptions { strict: self.strict, ..self.input.load_options(look) })
+        load(scene, &LoadOptions { strict: self.strict, ..self.input.load_options() })
     }
 }
 

@@ -22,11 +22,8 @@ use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::Duration;
 
-use serde_json::json;
-
 use super::common::{SPEED, SearchOptions, choice, command_words, print, tell, whole};
 use super::input::SceneOptions;
-use exchange::Kind;
 use server::{Site, serve};
 use take_away::TakeAway;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -127,8 +124,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     let painted =
         args.scene_options.threads.run(|| painter::paint(args, &site.exchange, &site.take_away));
     if let Err(error) = &painted {
-        let message = json!({"kind": "error", "message": error.to_string()});
-        site.exchange.send(Kind::Error, message.to_string());
+        site.exchange.send_error(error);
         thread::sleep(FAREWELL);
     }
     painted

@@ -197,8 +197,8 @@ impl Room {
             let green = Vec3::new(0.2, 0.4, 0.17) * self.random.between(0.7, 1.4) as f32;
             colors.extend([green; 3]);
         }
-        mesh.normals = Some(Attribute { values: normals, indices: None });
-        mesh.colors = Some(colors);
+        mesh.normals = Some(Attribute { values: normals.into(), indices: None });
+        mesh.colors = Some(colors.into());
         mesh
     }
 }

@@ -73,11 +73,11 @@ impl Mesh<'_> {
         let Self(positions, origin, faces, [normals, colors]) = self;
         let normals = normals.as_ref().map(vectors).transpose()?;
         Ok(api::MeshData {
-            positions: vectors(positions)?,
+            positions: vectors(positions)?.into(),
             origin: (*origin).into(),
-            triangles: vectors(faces)?,
-            normals: normals.map(|values| api::Attribute { values, indices: None }),
-            colors: colors.as_ref().map(vectors).transpose()?,
+            triangles: vectors(faces)?.into(),
+            normals: normals.map(api::Attribute::from),
+            colors: colors.as_ref().map(vectors).transpose()?.map(Into::into),
             ..api::MeshData::default()
         })
     }

@@ -14,12 +14,13 @@ use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::exceptions::{PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use wavecrest_api::SceneOptions;
 use wavecrest_api::components::{CameraPath, View};
 use wavecrest_api::glam::DMat4;
 use wavecrest_api::goal::{Goal, Job};
 use wavecrest_api::hecs::{Entity, World};
 use wavecrest_api::memory::check_room;
-use wavecrest_api::session::{SceneOptions, Session};
+use wavecrest_api::session::Session;
 use wavecrest_api::{self as api, Watch};
 
 use super::arrays::Mesh;

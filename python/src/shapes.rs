@@ -173,7 +173,7 @@ pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<(Parts<'_>, [f64; 
 }
 
 /// The values of vertices, (N, K), or of the corners of faces, (M, 3, K), nan for those without.
-fn attribute<T: Copy + Into<[f32; K]> + Sync, const K: usize>(
+fn attribute<T: Copy + Into<[f32; K]> + Send + Sync, const K: usize>(
     py: Python<'_>,
     attribute: Option<Attribute<T>>,
 ) -> PyResult<Option<Any<'_>>> {

@@ -11,7 +11,7 @@ use crate::common::{
 use crate::input::SceneOptions;
 use crate::output_options::{DevelopOptions, Metadata};
 use crate::progress::Style;
-use wavecrest_api::session as api;
+use wavecrest_api as api;
 use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_base::replace::make_folder;

@@ -63,7 +63,7 @@ impl<'a> Renderer<'a> {
         let mut time = Time::default();
         progress.begin(Phase::Load);
         let files: Vec<_> = outputs.iter().flat_map(|outputs| outputs.files()).collect();
-        let mut loaded = options.read(&args.scene, args.look)?;
+        let mut loaded = options.read(&args.scene)?;
         files.iter().try_for_each(|output| loaded.check_apart(output))?;
         tell_all(&mut loaded.warnings, &mut loaded.notes, options.quiet);
         let mut session = Session::of(loaded, &args.preparing(), |_| {

@@ -5,13 +5,15 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use wavecrest_api::session::{SceneOptions, Session};
+use wavecrest_api::SceneOptions;
+use wavecrest_api::session::Session;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::PrimitiveCounts;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::plan::schedule::UNPLANNED;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::agreement::agreement;
 use wavecrest_report::selftest::examine::{GeometryFacts, SceneTrial, shape, trial};
@@ -164,7 +166,7 @@ fn of_scene(file: &Path, effort: &Effort) -> Result<(Accel, u64)> {
     let options =
         LoadOptions { width: Some(IMAGE_SIDE), height: Some(IMAGE_SIDE), ..LoadOptions::default() };
     // Its rays come from anywhere, and not from the camera alone.
-    let all = SceneOptions { precision, all: true, ..SceneOptions::default() };
+    let all = SceneOptions { precision, passes: &UNPLANNED, ..SceneOptions::default() };
     let Session { scene, .. } = Session::open(file, &options, &all)?;
     let mut invalid = 0;
     for tracer in [TracerKind::Wavefront, TracerKind::Recursive] {

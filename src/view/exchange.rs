@@ -12,6 +12,7 @@ use tokio::sync::watch;
 use tokio_tungstenite::tungstenite::Message;
 
 use super::request::Request;
+use wavecrest_base::error::Error;
 use wavecrest_base::{lock, memory, progress};
 use wavecrest_core::film::Film;
 use wavecrest_core::math::sampling::Points;
@@ -125,6 +126,12 @@ impl Exchange {
             let (number, last) = &mut board.messages[kind as usize];
             (*number, *last) = (*number + 1, Some(message.into()));
         });
+    }
+
+    /// Shows an error.
+    pub(super) fn send_error(&self, error: &Error) {
+        let message = json!({"kind": "error", "message": error.to_string()});
+        self.send(Kind::Error, message.to_string());
     }
 
     /// Takes a message from the board.

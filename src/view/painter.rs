@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
-use super::ready::{Ready, prepare};
+use super::ready::Ready;
 use super::refine::{HalfRender, Tried, Work, figures_of, rays};
 use super::request::{Half, Request};
 use super::showing::Showing;
@@ -66,7 +66,7 @@ pub(super) struct Painter<'a> {
 /// # Errors
 /// If it cannot be loaded or prepared, or an image can no longer be decoded.
 pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) -> Result<()> {
-    let (ready, view) = prepare(args, exchange, take_away, args.look, None)?;
+    let (ready, view) = Ready::open(args, exchange, take_away)?;
     let half = Half::of_file(args.scene_options.precision, args.tracer, ready.rays());
     let mut painter = Painter {
         args,
@@ -152,12 +152,12 @@ impl<'a> Painter<'a> {
         if look == self.look {
             return Ok(false);
         }
-        if !self.ready.is_as_read(self.exchange) {
+        let before = std::mem::replace(&mut self.look, look);
+        if !self.prepare_again() {
+            self.look = before;
             return Ok(false);
         }
-        self.look = look;
         self.halves.truncate(1);
-        self.prepare_again()?;
         self.restart();
         Ok(true)
     }
@@ -186,13 +186,17 @@ impl<'a> Painter<'a> {
         self.send_figures();
     }
 
-    /// Prepares the scene once more: for another look, or because it is too far from where it was prepared for.
-    fn prepare_again(&mut self) -> Result<()> {
-        self.ready.free();
-        let view = Some(self.steering.view);
-        (self.ready, _) = prepare(self.args, self.exchange, self.take_away, self.look, view)?;
-        self.send_plan();
-        Ok(())
+    /// Prepares the scene once more: for another look, or because it is too far from where it was prepared for. If that
+    /// fails, pages are told, and keep what they show.
+    fn prepare_again(&mut self) -> bool {
+        let Self { args, exchange, take_away, look, .. } = *self;
+        let prepared =
+            self.ready.prepare_again(args, exchange, take_away, look, self.steering.view);
+        match &prepared {
+            Ok(()) => self.send_plan(),
+            Err(error) => exchange.send_error(error),
+        }
+        prepared.is_ok()
     }
 
     /// Forgets what was rendered for another camera.
@@ -240,8 +244,8 @@ impl<'a> Painter<'a> {
         // As `render` would prepare it.
         let is_fast = self.args.scene_options.precision == Precision::Fast;
         let is_far = || frame::origin(&self.steering.view) != self.ready.scene.origin;
-        if !is_fast && is_far() && self.ready.is_as_read(self.exchange) {
-            self.prepare_again()?;
+        if !is_fast && is_far() {
+            self.prepare_again();
         }
         for index in 0..self.halves.len() {
             while !self.progress[index].as_ref().is_some_and(HalfRender::is_finished) {

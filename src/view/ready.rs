@@ -1,20 +1,17 @@
 //! The scene of pages: prepared once for a camera that goes anywhere, and placed for each render.
 
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-use std::time::SystemTime;
 
 use glam::DVec3;
-use serde_json::json;
 
 use super::ViewArgs;
-use super::exchange::{Exchange, Kind};
+use super::exchange::Exchange;
 use super::request::Half;
 use super::steering::Steering;
 use super::take_away::TakeAway;
-use crate::input::SceneOptions;
-use wavecrest_api::session::{self as api, Session};
+use crate::common::tell_all;
+use wavecrest_api::SceneOptions;
+use wavecrest_api::session::Session;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::progress;
 use wavecrest_core::accel::Accel;
@@ -28,7 +25,8 @@ use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_image::look::Look;
 use wavecrest_image::write::Transfer;
 use wavecrest_scene::components::{Encoding, View};
-use wavecrest_scene::systems::{bounds, free_camera};
+use wavecrest_scene::load::LoadedScene;
+use wavecrest_scene::systems::{bounds, free_camera, looks};
 
 /// The most pixels of an image.
 const MOST_PIXELS: u64 = 1 << 24;
@@ -38,6 +36,8 @@ const SHARES: usize = 8;
 
 /// A scene that is ready to be traced, from anywhere.
 pub(super) struct Ready {
+    /// As it was read.
+    loaded: LoadedScene,
     pub(super) scene: PreparedScene,
     pub(super) preset: Preset,
     /// The camera and the lights of the file.
@@ -47,54 +47,25 @@ pub(super) struct Ready {
     pub(super) transfer: Transfer,
     /// The box around everything.
     pub(super) ends: [DVec3; 2],
-    /// The files that were read, as they were then.
-    files: Vec<(PathBuf, Option<Stamp>)>,
 }
 
-/// The length of a file, and when it was changed last.
-type Stamp = (u64, Option<SystemTime>);
-
-fn stamp(file: &Path) -> Option<Stamp> {
-    let found = fs::metadata(file).ok()?;
-    Some((found.len(), found.modified().ok()))
-}
-
-/// Reads and prepares the scene, as pages are shown; once more if there is a `view` already.
-///
-/// # Errors
-/// If it cannot be loaded or prepared, or is too large to be shown.
-pub(super) fn prepare(
+/// Prepares a copy of what was `loaded`, without what a look does not show: that is also what may be taken away. Before
+/// the tree is built, others may be dropped by `building`.
+fn session(
     args: &ViewArgs,
-    exchange: &Exchange,
     take_away: &TakeAway,
+    loaded: &LoadedScene,
     look: Option<Look>,
-    view: Option<View>,
-) -> Result<(Ready, View)> {
-    progress::begin();
-    exchange.prepares.store(true, Ordering::Relaxed);
-    // Notes are printed once.
-    let quiet = args.scene_options.quiet || view.is_some();
-    let options = &SceneOptions { quiet, ..args.scene_options.clone() };
-    let preparing = api::SceneOptions { look, ..options.preparing(Some(&args.search)) };
-    let (mut start, mut files) = (None, Vec::new());
-    let session = options.session(&args.scene, &preparing, |loaded| {
-        take_away.keep(loaded)?;
-        let all = std::iter::once(&args.scene).chain(&loaded.files);
-        files = all.map(|file| (file.clone(), stamp(file))).collect();
-        check_size(args, start.insert(free_camera(&mut loaded.world, view)?))
-    })?;
-    let Session { scene, preset, transfer, .. } = session;
-    let transfer = match transfer {
-        // Other looks are encoded already.
-        Encoding::Srgb if look.is_none_or(Look::is_shaded) => Transfer::Srgb,
-        _ => Transfer::Linear,
-    };
-    let (camera, original) = (scene.camera, scene.original());
-    let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
-    let ends = ends.map(|end| end + scene.origin);
-    exchange.prepares.store(false, Ordering::Relaxed);
-    let view = start.ok_or_else(|| Error::new(ErrorKind::Scene, "there is no camera"))?;
-    Ok((Ready { scene, preset, camera, original, transfer, ends, files }, view))
+    building: impl FnOnce(),
+) -> Result<Session> {
+    let mut shown = loaded.clone();
+    look.inspect(|look| looks::leave_out(&mut shown.world, *look));
+    take_away.keep(&shown)?;
+    let options = SceneOptions { look, ..args.scene_options.preparing(Some(&args.search)) };
+    Session::of(shown, &options, |_| {
+        building();
+        Ok(())
+    })
 }
 
 /// Refuses an image that is too large for a page.
@@ -109,21 +80,63 @@ fn check_size(args: &ViewArgs, view: &View) -> Result<()> {
 }
 
 impl Ready {
-    /// Whether no file has changed since it was read. If one has, pages are told, and keep what they show.
-    pub(super) fn is_as_read(&self, exchange: &Exchange) -> bool {
-        let mut changed = self.files.iter().filter(|(file, read)| stamp(file) != *read);
-        let Some((file, _)) = changed.next() else { return true };
-        let words =
-            format!("{} has changed since it was read: it is shown as it was", file.display());
-        let message = json!({"kind": "error", "message": words});
-        exchange.send(Kind::Error, message.to_string());
-        false
+    /// Reads and prepares the scene, as pages are shown. Returns the view of its camera, too.
+    ///
+    /// # Errors
+    /// If it cannot be loaded or prepared, or its image is too large for a page.
+    pub(super) fn open(
+        args: &ViewArgs,
+        exchange: &Exchange,
+        take_away: &TakeAway,
+    ) -> Result<(Self, View)> {
+        progress::begin();
+        exchange.prepares.store(true, Ordering::Relaxed);
+        let mut loaded = args.scene_options.load(&args.scene)?;
+        let view = free_camera(&mut loaded.world, None)?;
+        check_size(args, &view)?;
+        let mut session = session(args, take_away, &loaded, args.look, || {})?;
+        tell_all(&mut session.warnings, &mut session.notes, args.scene_options.quiet);
+        exchange.prepares.store(false, Ordering::Relaxed);
+        Ok((Self::of(session, loaded, args.look), view))
     }
 
-    /// Frees what is large: two scenes would take twice the memory.
-    pub(super) fn free(&mut self) {
-        self.scene.accel = Accel::unbuilt(Geometry::default());
-        self.scene.appearance = Appearance::default();
+    /// Prepares what was read once more: for this look, and for cameras around `view`.
+    ///
+    /// # Errors
+    /// If it cannot be prepared, or an image can no longer be read. Nothing has changed then.
+    pub(super) fn prepare_again(
+        &mut self,
+        args: &ViewArgs,
+        exchange: &Exchange,
+        take_away: &TakeAway,
+        look: Option<Look>,
+        view: View,
+    ) -> Result<()> {
+        progress::begin();
+        exchange.prepares.store(true, Ordering::Relaxed);
+        free_camera(&mut self.loaded.world, Some(view))?;
+        let PreparedScene { accel, appearance, .. } = &mut self.scene;
+        let session = session(args, take_away, &self.loaded, look, || {
+            // Two would take twice the memory.
+            *accel = Accel::unbuilt(Geometry::default());
+            *appearance = Appearance::default();
+        });
+        exchange.prepares.store(false, Ordering::Relaxed);
+        *self = Self::of(session?, self.loaded.clone(), look);
+        Ok(())
+    }
+
+    fn of(session: Session, loaded: LoadedScene, look: Option<Look>) -> Self {
+        let Session { scene, preset, transfer, .. } = session;
+        let transfer = match transfer {
+            // Other looks are encoded already.
+            Encoding::Srgb if look.is_none_or(Look::is_shaded) => Transfer::Srgb,
+            _ => Transfer::Linear,
+        };
+        let (camera, original) = (scene.camera, scene.original());
+        let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
+        let ends = ends.map(|end| end + scene.origin);
+        Self { loaded, scene, preset, camera, original, transfer, ends }
     }
 
     /// What a ray through a place of the image meets first; a point before it if nothing.

@@ -43,17 +43,16 @@ impl TakeAway {
         Self { file: file.to_owned(), options, scene: Mutex::default() }
     }
 
-    /// Keeps what `scene` is as a scene file: with the lights for what it is to show.
+    /// Keeps what `scene` is as a scene file. A scene file is what it was when it was first read.
     ///
     /// # Errors
     /// If it cannot be one.
     pub(super) fn keep(&self, scene: &LoadedScene) -> Result<()> {
-        let kept = if self.is_scene() {
-            read(&self.file)
-        } else {
-            Some(contents(scene, &self.named(PARTS))?)
+        let mut kept = lock(&self.scene);
+        *kept = match self.is_scene() {
+            true => kept.take().or_else(|| read(&self.file)),
+            false => Some(contents(scene, &self.named(PARTS))?),
         };
-        *lock(&self.scene) = kept;
         Ok(())
     }
 

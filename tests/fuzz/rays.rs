@@ -125,7 +125,7 @@ fn geometry(bytes: &mut Bytes<'_>) -> Option<Geometry> {
         _ => u32::from_le_bytes(bytes.some()),
     };
     let triangles = (0..triangles).map(|_| [(); 3].map(|()| corner(bytes))).collect();
-    let mesh = MeshData { positions, triangles, ..MeshData::default() };
+    let mesh = MeshData { positions: positions.into(), triangles, ..MeshData::default() };
     let sound = mesh.positions.iter().all(|p| p.abs().max_element() <= MAX_COORDINATE)
         && !mesh.positions.iter().any(|p| p.is_nan())
         && mesh.triangles.as_flattened().iter().all(|&i| (i as usize) < vertices);
@@ -164,7 +164,8 @@ fn repeat(geometry: &mut Geometry, copies: usize, bytes: &mut Bytes<'_>) {
         }
         for i in 0..triangles {
             let before = (vertices * copy) as u32;
-            geometry.triangles.push(geometry.triangles[i].map(|v| v + before));
+            let moved = geometry.triangles[i].map(|v| v + before);
+            geometry.triangles.push(moved);
         }
     }
 }

@@ -7,7 +7,7 @@ use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::Tile;
 use wavecrest_image::aov::{Layer, Layers, Request, layers};
 use wavecrest_image::metadata::Values;
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 
 use crate::support::{
     edited, folder, image_of, matte, options, pinhole, point_light, prepare, prepare_in, put_image,
@@ -136,7 +136,8 @@ fn layers_show_the_first_surface_that_sends_light() {
     let map = json!({"file": "t.png", "filter": "nearest"});
     let pane = with(wall(9.0, 2.0, matte(0.8, [0.5; 3])), "opacitymap", map);
     let before = edited(bare.clone(), &format!("/scene/shapes/- {pane}"));
-    let found = [bare, before].map(|s| all(&prepare_in(folder.path(), &s, Options::default())));
+    let found =
+        [bare, before].map(|s| all(&prepare_in(folder.path(), &s, SceneOptions::default())));
     for (i, x, y) in pixels() {
         let [bare, depth] = [0, 1].map(|k| floats(&found[k], "depth.Z")[i]);
         let is_clear = x < SIZE[0] / 2;
@@ -160,7 +161,7 @@ fn a_picture_laid_over_a_background_is_the_render_with_it() {
         let scene = scene(3, &pinhole([24, 18], 40.0, 5.0), &[lamp()], &[faint, other]);
         let [black, behind] = ["[0, 0, 0]", "[0.25, 0.5, 1]"].map(|color| {
             let scene = edited(scene.clone(), &format!("/scene/backgroundcolor {color}"));
-            prepare_in(folder.path(), &scene, Options::default())
+            prepare_in(folder.path(), &scene, SceneOptions::default())
         });
         let (found, laid, whole) = (all(&black), image_of(&black, 0), image_of(&behind, 0));
         for (i, alpha) in floats(&found, "A").iter().enumerate() {

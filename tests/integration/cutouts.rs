@@ -5,7 +5,7 @@ use std::path::Path;
 use image::{Rgba, RgbaImage};
 use serde_json::{Value, json};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 
 use crate::support::{
     assert_near, both, edited, folder, image_of, matte, options, pinhole, pixel, point_light,
@@ -21,7 +21,7 @@ fn with_image() -> tempfile::TempDir {
 }
 
 fn prepared(json: &Value, folder: &Path) -> PreparedScene {
-    prepare_in(folder, json, Options::default())
+    prepare_in(folder, json, SceneOptions::default())
 }
 
 fn cut_out(shape: Value) -> Value {

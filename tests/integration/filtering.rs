@@ -12,7 +12,7 @@ use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::vector::Line;
 use wavecrest_core::prepared::{Interaction, PreparedScene, SampleCounts};
 use wavecrest_scene::load::{LoadOptions, load_str};
-use wavecrest_scene::systems::{Options, extract};
+use wavecrest_scene::systems::{SceneOptions, extract};
 
 use crate::support::{
     BACKGROUND, difference, folder, image_of, matte, options, pinhole, plain, prepare, prepare_in,
@@ -39,7 +39,7 @@ fn over_the_floor(size: [u32; 2]) -> Value {
 fn ready(size: [u32; 2], texel: fn(u32, u32) -> [f32; 3], scene: &Value) -> PreparedScene {
     let folder = folder();
     put_image(folder.path(), "texture.png", size, texel);
-    let scene = prepare_in(folder.path(), scene, Options::default());
+    let scene = prepare_in(folder.path(), scene, SceneOptions::default());
     scene.appearance.decode().unwrap_or_else(|error| panic!("{error}"));
     scene
 }

@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use wavecrest_api::LoadOptions;
+use wavecrest_api::SceneOptions;
 use wavecrest_api::goal::{End, Goal, Job, MOST_SAMPLES, Reached};
-use wavecrest_api::session::{SceneOptions, Session};
+use wavecrest_api::session::Session;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;

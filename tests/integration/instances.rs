@@ -13,7 +13,7 @@ use wavecrest_core::math::random::Stream;
 use wavecrest_report::selftest::examine::trial;
 use wavecrest_report::selftest::{Count, Effort};
 use wavecrest_scene::generate::{self, Model, Recipe};
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 
 use crate::support::{edited, json_in, matte, options, prepare, prepare_in, render_on, repository};
 
@@ -28,7 +28,7 @@ fn a_mesh_is_held_once_and_looks_as_its_copies_do() {
     let scene = stones(160);
     for kernel in [KernelChoice::Auto, KernelChoice::Reference] {
         let [held, flat] = [false, true].map(|flat| {
-            let options = Options { flat, ..Options::default() };
+            let options = SceneOptions { flat, ..SceneOptions::default() };
             let mut ready = prepare_in(&repository("scenes"), &scene, options);
             ready.accel.kernel = kernel;
             ready

@@ -3,20 +3,19 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use hecs::World;
-
 use wavecrest_core::film::Film;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::srgb::srgb_encode;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_image::aov::{Layer, Request, layers};
+use wavecrest_image::look::Look;
 use wavecrest_image::metadata::Values;
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{LoadOptions, load, load_str};
-use wavecrest_scene::systems;
+use wavecrest_scene::systems::SceneOptions;
 
 use crate::support::{
-    edited, folder, image_of, matte, pinhole, put, ready, run_well, scene, sphere, with,
+    edited, folder, image_of, matte, pinhole, put, ready, ready_by, run_well, scene, sphere, with,
 };
 
 /// A ball of so many faces along its equator, without normals.
@@ -41,20 +40,17 @@ fn ball(path: &Path, faces: u32) {
 
 /// The ball under these lights.
 fn lit(lighting: Lighting) -> PreparedScene {
-    lit_after(lighting, |_| ())
+    lit_by(lighting, SceneOptions::default())
 }
 
-/// The same after a change.
-fn lit_after(lighting: Lighting, change: impl Fn(&mut World)) -> PreparedScene {
+/// The same, prepared by these options.
+fn lit_by(lighting: Lighting, by: SceneOptions) -> PreparedScene {
     let folder = folder();
     let path = folder.path().join("ball.obj");
     ball(&path, 24);
     let (width, height) = (Some(96), Some(72));
     let options = LoadOptions { width, height, lighting, ..LoadOptions::default() };
-    ready(load(&path, &options).map(|mut scene| {
-        change(&mut scene.world);
-        scene
-    }))
+    ready_by(load(&path, &options), by)
 }
 
 /// What screens show of the pixels where the whole pixel is of shape `number`, from dark to light.
@@ -115,7 +111,8 @@ fn the_ground_is_as_the_background_whatever_that_is() {
 
 #[test]
 fn clay_leaves_the_ground_as_the_background() {
-    let scene = lit_after(Lighting::default(), systems::looks::clay);
+    let clay = SceneOptions { look: Some(Look::Clay), ..SceneOptions::default() };
+    let scene = lit_by(Lighting::default(), clay);
     let film = image_of(&scene, 0);
     let (mesh, ground) = (levels(&scene, &film, MESH), levels(&scene, &film, GROUND));
     let bare = ground[ground.len() * 19 / 20];

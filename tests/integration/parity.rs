@@ -18,7 +18,7 @@ use wavecrest_core::film::Film;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::plan::Effect;
-use wavecrest_core::plan::schedule::{PASSES, unplanned};
+use wavecrest_core::plan::schedule::UNPLANNED;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind};
 use wavecrest_core::tile::Tile;
@@ -26,7 +26,7 @@ use wavecrest_image::write::Transfer;
 use wavecrest_report::selftest::examine::{SceneTrial, trial};
 use wavecrest_report::selftest::{Count, Effort};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load};
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 use wavecrest_scene::write::write;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -199,7 +199,7 @@ fn check_trees(scene: &mut PreparedScene, whole: &Film) -> Result<(), String> {
 
 /// Running everything, planned or not, gives the same image.
 fn check_plan(path: &Path, whole: &Film) -> Result<(), String> {
-    let everything = Options { passes: &unplanned(&PASSES), ..Options::default() };
+    let everything = SceneOptions { passes: &UNPLANNED, ..SceneOptions::default() };
     let everything = ready_by(Ok(load_small(path, LONGEST, MOST_RAYS)), everything);
     both(&everything).iter().try_for_each(|found| same(whole, &found.film, "unplanned"))
 }

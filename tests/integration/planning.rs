@@ -6,12 +6,12 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use wavecrest_core::film::Film;
-use wavecrest_core::plan::schedule::{Needs, PASSES, Pass, unplanned};
+use wavecrest_core::plan::schedule::{Needs, PASSES, Pass, UNPLANNED};
 use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::{PreparedScene, SampleCounts};
 use wavecrest_core::render::{RenderOptions, Rendered, camera_rays};
 use wavecrest_report::effects::scenes::{SceneVariant, variants};
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 
 use crate::parity::work;
 use crate::support::{
@@ -131,8 +131,8 @@ impl Set {
 }
 
 /// A scene made ready by a table.
-fn prepare_by(passes: &[Pass], scene: &Value) -> PreparedScene {
-    prepare_in(Path::new(""), scene, Options { passes, ..Options::default() })
+fn prepare_by(passes: &'static [Pass], scene: &Value) -> PreparedScene {
+    prepare_in(Path::new(""), scene, SceneOptions { passes, ..SceneOptions::default() })
 }
 
 /// Effects that look texels up, if they have an image.
@@ -176,7 +176,6 @@ pub(crate) fn check_work(
 fn effects_together_give_one_image_planned_or_not_with_either_tracer() {
     let folder = folder();
     put_texture(folder.path());
-    let everything = unplanned(&PASSES);
     let by = RenderOptions { batch: ODD, ..options() };
     Set::all().for_each(|set| {
         let json = set.scene(folder.path());
@@ -194,8 +193,8 @@ fn effects_together_give_one_image_planned_or_not_with_either_tracer() {
             assert_eq!(rendered.counters.invalid, 0, "{what}");
         }
         // Everything is prepared, run and stored; or prepared as planned, and then run and stored.
-        let all = prepare_by(&everything, &json);
-        scene.plan = Plan::of(scene.plan.decisions().to_vec(), &everything);
+        let all = prepare_by(&UNPLANNED, &json);
+        scene.plan = Plan::of(scene.plan.decisions().to_vec(), &UNPLANNED);
         for (scene, how) in [(all, "unplanned"), (scene, "planned, all of it run")] {
             for rendered in both(&scene) {
                 assert!(rendered.film.same_bits(&planned[0].film), "{what}: {how}");
@@ -246,10 +245,10 @@ fn effects_of_the_price_list_are_those_that_the_plan_finds() {
 }
 
 /// The table with `change` made to the needs of the rows that `of` chooses.
-fn table(of: impl Fn(&Pass) -> bool, change: impl Fn(Needs) -> Needs) -> Vec<Pass> {
+fn table(of: impl Fn(&Pass) -> bool, change: impl Fn(Needs) -> Needs) -> &'static [Pass] {
     let row =
         |pass: Pass| if of(&pass) { Pass { needs: change(pass.needs), ..pass } } else { pass };
-    PASSES.into_iter().map(row).collect()
+    Vec::leak(PASSES.into_iter().map(row).collect())
 }
 
 /// `needs` but `effect`.
@@ -276,7 +275,7 @@ fn scene_of(effect: Effect, needs: Needs, folder: &Path) -> Value {
 }
 
 /// What a table makes of a scene.
-fn films(passes: &[Pass], scene: &Value) -> [Film; 2] {
+fn films(passes: &'static [Pass], scene: &Value) -> [Film; 2] {
     both(&prepare_by(passes, scene)).map(|rendered| rendered.film)
 }
 
@@ -293,7 +292,7 @@ fn a_need_taken_out_of_the_table_is_missed() {
             // In this row alone; then in all.
             for is_alone in [true, false] {
                 let is_changed = |other: &Pass| !is_alone || other.step == pass.step;
-                let found = films(&table(is_changed, |needs| without(needs, effect)), &json);
+                let found = films(table(is_changed, |needs| without(needs, effect)), &json);
                 let is_missed = found.iter().all(|film| !film.same_bits(&right));
                 assert!(is_missed, "{what} is not missed, alone: {is_alone}");
             }
@@ -315,7 +314,7 @@ fn cost(scene: &PreparedScene, rendered: &Rendered) -> [u64; 8] {
 fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
     let folder = folder();
     let list = price_list(folder.path());
-    let rendered_by = |passes: &[Pass], scene: &Value| {
+    let rendered_by = |passes: &'static [Pass], scene: &Value| {
         let scene = prepare_by(passes, scene);
         both_alone(&scene).map(|rendered| (cost(&scene, &rendered), rendered.film))
     };
@@ -326,7 +325,7 @@ fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
         let passes = table(|other| other.effects().any(serves), |_| &[]);
         let mut dearer = 0;
         for (variant, planned) in list.iter().zip(&planned) {
-            let found = rendered_by(&passes, &variant.scene);
+            let found = rendered_by(passes, &variant.scene);
             for ((cost, film), (usual, right)) in found.iter().zip(planned) {
                 let what = format!("{}, {}", pass.step.name(), variant.name);
                 assert!(film.same_bits(right), "{what}");

@@ -18,11 +18,11 @@ use wavecrest_core::film::Film;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::simd::Level;
-use wavecrest_core::plan::schedule::{PASSES, unplanned};
+use wavecrest_core::plan::schedule::{PASSES, Pass, UNPLANNED};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_scene::load::{LoadOptions, load_str};
-use wavecrest_scene::systems::{Options, extract};
+use wavecrest_scene::systems::{SceneOptions, extract};
 
 use crate::seeds::asked_for;
 use crate::support::{TRACERS, both, folder, options, prepare_in, put, with};
@@ -192,10 +192,10 @@ impl Trial {
 
     /// What changes the image of the scene and should not; nothing if it is refused.
     fn faults(&self, folder: &Path) -> Option<Vec<&'static str>> {
-        let prepared = |json: &Value, passes| -> Option<PreparedScene> {
+        let prepared = |json: &Value, passes: &'static [Pass]| -> Option<PreparedScene> {
             let file = folder.join("s.json");
             let loaded = load_str(&json.to_string(), &file, &LoadOptions::default()).ok()?;
-            let options = Options { passes, ..Options::default() };
+            let options = SceneOptions { passes, ..SceneOptions::default() };
             Some(extract(loaded.world, options).ok()?.build(Preset::Fast))
         };
         let image = |scene: &PreparedScene, options: &RenderOptions| {
@@ -221,8 +221,7 @@ impl Trial {
         scene.accel.kernel = self.kernel;
         scene.accel.level = self.level.token().expect("it is available");
         expect("setting", Some(image(&scene, &self.by).film));
-        let everything = unplanned(&PASSES);
-        let others = [("unplanned", &everything[..]), ("unseen", &PASSES), ("order", &PASSES)];
+        let others = [("unplanned", &UNPLANNED), ("unseen", &PASSES), ("order", &PASSES)];
         for (fault, passes) in
             others.into_iter().filter(|(fault, _)| self.is_general || *fault != "order")
         {
@@ -286,12 +285,15 @@ fn around_the_eye(seed: u64) -> Value {
 fn what_is_out_of_view_changes_no_bit_of_any_scene() {
     let folder = folder();
     put_pictures(folder.path());
-    let everything = unplanned(&PASSES);
     let is_left_out = |seed: &u64| {
         let json = around_the_eye(*seed);
         let precision = Precision::ALL[*seed as usize % Precision::ALL.len()];
-        let [mut planned, mut all] = [&PASSES[..], &everything].map(|passes| {
-            prepare_in(folder.path(), &json, Options { passes, precision, ..Options::default() })
+        let [mut planned, mut all] = [&PASSES, &UNPLANNED].map(|passes| {
+            prepare_in(
+                folder.path(),
+                &json,
+                SceneOptions { passes, precision, ..SceneOptions::default() },
+            )
         });
         let frames = planned.path.as_ref().map_or(0..=0, |path| path.frames());
         for frame in frames {

@@ -15,7 +15,7 @@ use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
-use wavecrest_scene::systems::{self, Extracted, Options};
+use wavecrest_scene::systems::{self, Extracted, SceneOptions};
 
 pub(crate) use files::*;
 
@@ -83,7 +83,7 @@ pub(crate) fn stem(path: &Path) -> String {
 pub(crate) fn load_small(path: &Path, longest: u32, most_rays: u64) -> LoadedScene {
     let read =
         |options: LoadOptions| load(path, &options).unwrap_or_else(|error| panic!("{error}"));
-    let first = extract(Ok(read(LoadOptions::default())), Options::default());
+    let first = extract(Ok(read(LoadOptions::default())), SceneOptions::default());
     let first = first.unwrap_or_else(|error| panic!("{error}"));
     let [width, height] = first.scene().camera.size();
     let rays_a_pixel =
@@ -98,36 +98,36 @@ pub(crate) fn load_small(path: &Path, longest: u32, most_rays: u64) -> LoadedSce
 
 /// The same made ready, but for its tree.
 pub(crate) fn extract_small(path: &Path, longest: u32, most_rays: u64) -> Extracted {
-    let extracted = extract(Ok(load_small(path, longest, most_rays)), Options::default());
+    let extracted = extract(Ok(load_small(path, longest, most_rays)), SceneOptions::default());
     extracted.unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn extract(loaded: Result<LoadedScene>, options: Options<'_>) -> Result<Extracted> {
+fn extract(loaded: Result<LoadedScene>, options: SceneOptions) -> Result<Extracted> {
     systems::extract(loaded?.world, options)
 }
 
 /// What was loaded, made ready.
 pub(crate) fn ready(loaded: Result<LoadedScene>) -> PreparedScene {
-    ready_by(loaded, Options::default())
+    ready_by(loaded, SceneOptions::default())
 }
 
 /// The same with these options.
-pub(crate) fn ready_by(loaded: Result<LoadedScene>, options: Options<'_>) -> PreparedScene {
+pub(crate) fn ready_by(loaded: Result<LoadedScene>, options: SceneOptions) -> PreparedScene {
     extract(loaded, options).unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
 }
 
 /// What was loaded, made ready, or what is wrong with it.
 pub(crate) fn try_ready(loaded: Result<LoadedScene>) -> Result<PreparedScene> {
-    Ok(extract(loaded, Options::default())?.build(Preset::Fast))
+    Ok(extract(loaded, SceneOptions::default())?.build(Preset::Fast))
 }
 
 /// A scene written in a test, made ready. Relative paths start from the repository.
 pub(crate) fn prepare(scene: &Value) -> PreparedScene {
-    prepare_in(&repository(""), scene, Options::default())
+    prepare_in(&repository(""), scene, SceneOptions::default())
 }
 
 /// A scene whose files are in `folder`, made ready.
-pub(crate) fn prepare_in(folder: &Path, scene: &Value, options: Options<'_>) -> PreparedScene {
+pub(crate) fn prepare_in(folder: &Path, scene: &Value, options: SceneOptions) -> PreparedScene {
     let file = folder.join("s.json");
     ready_by(load_str(&scene.to_string(), &file, &LoadOptions::default()), options)
 }

@@ -11,12 +11,12 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::LANES;
 use wavecrest_core::plan::Effect;
-use wavecrest_core::plan::schedule::{PASSES, unplanned};
+use wavecrest_core::plan::schedule::UNPLANNED;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, render};
 use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_scene::load::{LoadOptions, load_str};
-use wavecrest_scene::systems::{Options, extract};
+use wavecrest_scene::systems::{SceneOptions, extract};
 
 use crate::parity::work;
 use crate::planning::effect;
@@ -58,7 +58,7 @@ fn files() -> tempfile::TempDir {
 
 /// The scene as it is prepared if nothing is left out.
 fn complete(json: &Value, folder: &Path) -> PreparedScene {
-    prepare_in(folder, json, Options { passes: &unplanned(&PASSES), ..Options::default() })
+    prepare_in(folder, json, SceneOptions { passes: &UNPLANNED, ..SceneOptions::default() })
 }
 
 /// In what the cost and the image of a scene differ from those of another.
@@ -125,7 +125,7 @@ fn what_nobody_sees_costs_nothing() {
         let prepared = |json: &Value, folder: &Path| -> Result<PreparedScene> {
             let file = folder.join("s.json");
             let loaded = load_str(&json.to_string(), &file, &LoadOptions::default())?;
-            let options = Options { precision, ..Options::default() };
+            let options = SceneOptions { precision, ..SceneOptions::default() };
             Ok(extract(loaded.world, options)?.build(Preset::Fast))
         };
         let [found, expected] = [&with, &without].map(|json| prepared(json, folder.path()));
@@ -220,7 +220,7 @@ fn what_is_seen_costs_what_it_should() {
     let usual = scene(0, &pinhole([16, 12], 40.0, 5.0), &[lamp], &[mirror, behind]);
     transcript::check("costs", |_, changes| {
         let json = edited(usual.clone(), &written_out(changes));
-        cost(&prepare_in(folder.path(), &json, Options::default()), 16 * 12)
+        cost(&prepare_in(folder.path(), &json, SceneOptions::default()), 16 * 12)
     });
 }
 
@@ -233,7 +233,7 @@ fn pixels_without_shapes_cost_nothing() {
     for camera in [lens, with(camera, "antialias", 4)] {
         let json = scene(0, &camera, &[lamp(3.0)], &[small(-1.2), small(0.7)]);
         let [scene, mut every] =
-            [(); 2].map(|()| prepare_in(Path::new(""), &json, Options::default()));
+            [(); 2].map(|()| prepare_in(Path::new(""), &json, SceneOptions::default()));
         every.accel.rebuild(Preset::Brute);
         for (found, every) in both_alone(&scene).iter().zip(&both_alone(&every)) {
             assert!(found.film.same_bits(&every.film));

@@ -13,7 +13,7 @@ pub(crate) fn scene(n: u32) -> Geometry {
     let mut geometry = cloud(&mut numbers, 1.8);
     let first = geometry.positions.len() as u32;
     let mesh = bumpy_sphere(n);
-    geometry.positions.extend(mesh.positions);
+    geometry.positions.extend(&mesh.positions);
     geometry.triangles.extend(mesh.triangles.into_iter().map(|t| t.map(|v| v + first)));
     let corners = [[-1.0, -1.0, 0.5], [0.0, -1.0, 0.5], [0.0, 0.0, 0.6], [-1.0, 0.0, 0.5]];
     add_quad(&mut geometry, corners.map(Vec3::from));

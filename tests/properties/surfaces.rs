@@ -133,8 +133,8 @@ impl Place {
             let corners = corners.map(|corner| back.transform_point3(corner.as_dvec3()).as_vec3());
             let bounds = Aabb::around(corners);
             geometry.prototypes.push(Geometry {
-                positions: corners.to_vec(),
-                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                positions: corners.to_vec().into(),
+                triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
                 ..Geometry::default()
             });
             geometry.instances.push(Instance::new(number, own + 2 * number, world, &bounds));

@@ -197,7 +197,7 @@ pub use wavecrest_scene::load::{
     LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load, load_gltf, load_mesh, load_str,
 };
 pub use wavecrest_scene::mesh::{Attribute, MeshData, NO_VALUE};
-pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract, warnings};
+pub use wavecrest_scene::systems::{Extracted, SceneOptions, extract, warnings};
 pub use wavecrest_scene::{components, hecs, mesh};
 
 // From a prepared scene to pixels.

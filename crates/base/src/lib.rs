@@ -1,6 +1,6 @@
 //! The foundation of all crates of wavecrest: errors that name file, place, value and remedy;
-//! files to read; atomic replacement of files; options with named values; memory and its purpose; work on all threads;
-//! progress; numbers and commands as words.
+//! files to read; atomic replacement of files; options with named values; memory and its purpose; shared arrays; work on all
+//! threads; progress; numbers and commands as words.
 
 pub mod choice;
 pub mod error;
@@ -9,6 +9,7 @@ pub mod parallel;
 pub mod progress;
 pub mod read;
 pub mod replace;
+pub mod shared;
 pub mod words;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -18,7 +18,7 @@ use crate::math::Ray;
 use crate::math::float::min;
 use cutouts::Cutout;
 use instance::{Instance, Instanced};
-use wavecrest_base::parallel;
+use wavecrest_base::{parallel, shared::Shared};
 
 pub use quadric::Quadric;
 
@@ -27,9 +27,9 @@ pub use quadric::Quadric;
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     /// Vertices of triangles and quads.
-    pub positions: Vec<Vec3>,
+    pub positions: Shared<Vec3>,
     /// Three vertices a triangle, counter-clockwise from the front.
-    pub triangles: Vec<[u32; 3]>,
+    pub triangles: Shared<[u32; 3]>,
     /// Four vertices a quad, ordered so that the diagonal from the first to the third lies inside.
     pub quads: Vec<[u32; 4]>,
     /// Spheres and disks.

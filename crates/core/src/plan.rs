@@ -88,7 +88,7 @@ pub struct Plan {
 
 impl Plan {
     /// The plan with these decisions. Another table than [`PASSES`](schedule::PASSES) is for tests of the table
-    /// itself, and for renders that skip nothing ([`schedule::unplanned`]).
+    /// itself, and for renders that skip nothing ([`schedule::UNPLANNED`]).
     pub fn of(decisions: Vec<Decision>, passes: &[Pass]) -> Self {
         let schedule = Schedule::new(passes, &decisions);
         Self { decisions, schedule }

@@ -159,11 +159,11 @@ pub struct MeshAttributes {
     /// Shading normals in world space.
     pub normals: Option<CornerValues<Vec3>>,
     /// Texture coordinates.
-    pub uvs: Option<Arc<CornerValues<Vec2>>>,
+    pub uvs: Option<CornerValues<Vec2>>,
     /// Colours, linear.
     pub colors: Option<CornerValues<Vec3>>,
     /// The alphas of colours, where some are below 1 and opacity or cut-outs use them.
-    pub alphas: Option<Arc<CornerValues<f32>>>,
+    pub alphas: Option<CornerValues<f32>>,
     /// The direction in which u grows, in world space, with the sign of the bitangent, which is
     /// orthogonal to it and the normal.
     pub tangents: Option<CornerValues<Vec4>>,
@@ -220,9 +220,9 @@ impl Appearance {
             .iter()
             .map(|mesh| {
                 mesh.normals.as_ref().map_or(0, CornerValues::bytes)
-                    + mesh.uvs.as_ref().map_or(0, |uvs| uvs.bytes())
+                    + mesh.uvs.as_ref().map_or(0, CornerValues::bytes)
                     + mesh.colors.as_ref().map_or(0, CornerValues::bytes)
-                    + mesh.alphas.as_ref().map_or(0, |alphas| alphas.bytes())
+                    + mesh.alphas.as_ref().map_or(0, CornerValues::bytes)
                     + mesh.tangents.as_ref().map_or(0, CornerValues::bytes)
             })
             .sum();

@@ -37,7 +37,12 @@ pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
     let triangles = each(recipe.grid_triangles(), |t| surface.triangle(t));
     let normals = || each(surface.vertices(), |v| surface.normal(v).as_vec3()).into();
     let normals = recipe.normals.then(normals);
-    Ok(MeshData { positions, triangles, normals, ..MeshData::default() })
+    Ok(MeshData {
+        positions: positions.into(),
+        triangles: triangles.into(),
+        normals,
+        ..MeshData::default()
+    })
 }
 
 /// `item` of 0, 1, ... `count` - 1, computed in parallel and kept in order.

@@ -4,6 +4,7 @@
 //! Then its mesh files are read ([`meshes`]). Files that are not complete scenes are completed
 //! ([`crate::staging`]).
 
+mod copy;
 mod materials;
 mod meshes;
 mod standalone;
@@ -162,6 +163,21 @@ fn loaded(mut world: World, notes: Notes<'_>, told: String) -> Result<LoadedScen
     let (warnings, harmless, files) = notes.into_parts();
     let notes = told.into_iter().chain(harmless).collect();
     Ok(LoadedScene { file, world, warnings, notes, files, folder })
+}
+
+/// A copy shares the arrays of meshes, so that it takes next to no time and memory.
+impl Clone for LoadedScene {
+    fn clone(&self) -> Self {
+        let Self { file, world, warnings, notes, files, folder } = self;
+        Self {
+            file: file.clone(),
+            world: copy::of(world),
+            warnings: warnings.clone(),
+            notes: notes.clone(),
+            files: files.clone(),
+            folder: folder.clone(),
+        }
+    }
 }
 
 impl LoadedScene {

@@ -67,39 +67,62 @@ use crate::query::{self, missing};
 use textures::Images;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Stage;
-use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::simd::Level;
 use wavecrest_core::plan::Plan;
-use wavecrest_core::plan::schedule::{PASSES, Pass};
+use wavecrest_core::plan::schedule::{PASSES, Pass, UNPLANNED};
 use wavecrest_core::prepared::PreparedScene;
+use wavecrest_image::look::Look;
+
+/// How a scene is prepared, once it is read. By default as for its light.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneOptions {
+    /// The precision of hits.
+    pub precision: Precision,
+    /// The quality of the tree; the one that is likely to finish first if `None`.
+    pub bvh: Option<Preset>,
+    /// Whether a mesh with several instances is copied for each instead of stored once.
+    pub flat: bool,
+    /// What images show instead of light.
+    pub look: Option<Look>,
+    /// The table of the plan: [`PASSES`], or [`UNPLANNED`], which skips nothing: neither passes and columns nor lights,
+    /// textures, normals and shapes that nothing shows. Looks without light use that.
+    pub passes: &'static [Pass],
+    /// Whether nothing is left for the first rays: no image is decoded then, and unless `bvh` says so no part of the tree
+    /// is built.
+    pub at_once: bool,
+    /// The factor by which images are brighter than the light.
+    pub exposure: f32,
+    /// The kernel that searches the tree; it changes no answer.
+    pub kernel: KernelChoice,
+    /// The instruction set; it changes no answer.
+    pub level: Level,
+}
+
+impl Default for SceneOptions {
+    fn default() -> Self {
+        Self {
+            precision: Precision::default(),
+            bvh: None,
+            flat: false,
+            look: None,
+            passes: &PASSES,
+            at_once: false,
+            exposure: 1.0,
+            kernel: KernelChoice::default(),
+            level: Level::best(),
+        }
+    }
+}
 
 /// The scene without its tree, sufficient to predict a render.
 #[derive(Debug)]
 pub struct Extracted {
     scene: PreparedScene,
-}
-
-/// Options for preparing a scene.
-#[derive(Clone, Copy, Debug)]
-pub struct Options<'a> {
-    /// The precision of hits.
-    pub precision: Precision,
-    /// The table of the plan: [`PASSES`], or the result of
-    /// [`unplanned`](wavecrest_core::plan::schedule::unplanned), which skips nothing: neither
-    /// passes and columns nor lights, textures, normals and shapes that nothing shows.
-    pub passes: &'a [Pass],
-    /// Whether a mesh with several instances is copied for each instead of stored once.
-    pub flat: bool,
-    /// The factor by which images are brighter than the light.
-    pub exposure: f32,
-}
-
-impl Default for Options<'_> {
-    fn default() -> Self {
-        Self { precision: Precision::default(), passes: &PASSES, flat: false, exposure: 1.0 }
-    }
+    options: SceneOptions,
 }
 
 /// Lets the camera of `world` go anywhere once the scene is prepared. Returns its view at the start: its own, or `view`.
@@ -120,9 +143,15 @@ pub fn free_camera(world: &mut World, view: Option<View>) -> Result<View> {
 ///
 /// # Errors
 /// If the world lacks a camera or settings, a shape is too far out or too large, or an image cannot
-/// be read.
-pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
+/// be read, or decoded if nothing is left for the first rays.
+pub fn extract(mut world: World, mut options: SceneOptions) -> Result<Extracted> {
     Stage::Extract.begin();
+    if let Some(look) = options.look {
+        looks::show(&mut world, look);
+        if !look.is_shaded() {
+            options.passes = &UNPLANNED;
+        }
+    }
     materials::strip(&mut world);
     let mut images = Images::of_scene(&query::settings(&world)?.file);
     let frame = frame::run(&world, &options, &mut images)?;
@@ -159,7 +188,10 @@ pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
         plan,
         degenerate: 0,
     };
-    Ok(Extracted { scene })
+    if options.at_once {
+        scene.appearance.decode()?;
+    }
+    Ok(Extracted { scene, options })
 }
 
 impl Extracted {
@@ -173,9 +205,11 @@ impl Extracted {
         &self.scene
     }
 
-    /// The preset that is likely to finish first.
+    /// The preset of the tree: that of the options, or the one that is likely to finish first.
     pub fn preset(&self) -> Preset {
-        Preset::choose(self.geometry().held() as u64, self.scene.expected_rays())
+        let likely = || Preset::choose(self.geometry().held() as u64, self.scene.expected_rays());
+        let chosen = || if self.options.at_once { likely().at_once() } else { likely() };
+        self.options.bvh.unwrap_or_else(chosen)
     }
 
     /// Builds the tree: the last system.
@@ -184,6 +218,7 @@ impl Extracted {
         self.scene.accel.rebuild(preset);
         // From a pass over every triangle.
         self.scene.degenerate = self.scene.accel.left_out();
+        self.scene.accel.search_by(self.options.kernel, self.options.level);
         self.scene
     }
 }

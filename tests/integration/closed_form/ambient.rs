@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde_json::{Value, json};
 
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 
 use crate::support::{
     assert_near, folder, image, image_of, matte, merged, pinhole, pixel, prepare_in, scene, sphere,
@@ -166,7 +166,7 @@ fn images_of_any_size_light_surfaces() {
         let mut scene = scene(0, &pinhole([5, 5], 20.0, 4.0), &[], &[ball]);
         scene["scene"]["environment"] = json!({"file": "sky.png", "turn": 77, "up": [1, 2, 3]});
         scene["scene"]["ambient"] = json!({});
-        let film = image_of(&prepare_in(folder.path(), &scene, Options::default()), 0);
+        let film = image_of(&prepare_in(folder.path(), &scene, SceneOptions::default()), 0);
         for (x, y) in [(2, 2), (1, 2), (2, 1), (3, 3)] {
             assert_near(pixel(&film, x, y), [0.5; 3], 2e-4, &format!("{width} x {height}"));
         }
@@ -192,7 +192,7 @@ fn light_of_an_image_comes_from_where_it_is_seen() {
         scene["camera"]["fov"] = 2.0.into();
         scene["scene"]["environment"] = json!({"file": "sky.png"});
         scene["scene"]["ambient"] = json!({});
-        let film = image_of(&prepare_in(folder.path(), &scene, Options::default()), 0);
+        let film = image_of(&prepare_in(folder.path(), &scene, SceneOptions::default()), 0);
         // Rays through the middles of pixels are a third of the image apart.
         let off = 50.0 * (f64::to_radians(1.0)).tan() * 2.0 / 3.0;
         for (x, y) in [(1, 1), (0, 1), (2, 1), (1, 0), (1, 2)] {

@@ -1,7 +1,7 @@
 //! What rays see that hit nothing.
 
 use serde_json::{Value, json};
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 
 use crate::support::{
     assert_near, edited, folder, image_of, matte, pixel, prepare_in, scene, wall, with,
@@ -20,7 +20,7 @@ fn seen(environment: &Value, towards: [f64; 3]) -> [f64; 3] {
     let shapes = [wall(1.0, 50.0, with(matte(0.0, [0.0; 3]), "kr", 0.5))];
     let scene =
         edited(scene(1, &camera, &[], &shapes), &format!("/scene/environment {environment}"));
-    pixel(&image_of(&prepare_in(folder.path(), &scene, Options::default()), 0), 0, 0)
+    pixel(&image_of(&prepare_in(folder.path(), &scene, SceneOptions::default()), 0), 0, 0)
 }
 
 #[test]

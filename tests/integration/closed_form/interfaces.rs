@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::probe::{self, PathRecord};
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 
 use super::transparency::{clear, close, fresnel};
 use crate::support::{
@@ -373,6 +373,7 @@ fn rays_end_by_what_they_could_show() {
     }
     // An image that is exposed longer shows it.
     let json = scene(3, &at_angle(0.2), &[], &[mirror(0.0019), white]);
-    let exposed = prepare_in("".as_ref(), &json, Options { exposure: 8.0, ..Options::default() });
+    let exposed =
+        prepare_in("".as_ref(), &json, SceneOptions { exposure: 8.0, ..SceneOptions::default() });
     close(pixel(&image_of(&exposed, 0), 0, 0)[0], 0.0019, "exposed");
 }

@@ -1,7 +1,7 @@
 //! Textures, transforms, sides of surfaces, and units of length.
 
 use serde_json::{Value, json};
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 
 use super::Eye;
 use crate::support::{
@@ -49,7 +49,7 @@ fn surfaces_look_as_they_are_placed_turned_and_lit() {
             _ => scene(0, &EYE.json(), std::slice::from_ref(&light), &[]),
         };
         let [found, other] = alternatives(&usual, &written_out(changes))
-            .map(|json| image_of(&prepare_in(folder.path(), &json, Options::default()), 0));
+            .map(|json| image_of(&prepare_in(folder.path(), &json, SceneOptions::default()), 0));
         if words[0] == "alike" {
             return likeness(&found, &other);
         }

@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::probe::{self, PathRecord};
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 
 use crate::support::{
     assert_near, folder, image, image_of, matte, merged, pinhole, pixel, places, point_light,
@@ -230,7 +230,7 @@ fn images_give_opacity() {
         (pane("opacitymap", json!({"file": "t.png", "channels": "alpha"})), 0.5 * 0.4),
     ] {
         let scene = scene(0, &pinhole([1, 1], 1e-3, 9.0), &[], &[pane, shining_wall()]);
-        let prepared = prepare_in(folder.path(), &scene, Options::default());
+        let prepared = prepare_in(folder.path(), &scene, SceneOptions::default());
         let found = pixel(&image_of(&prepared, 0), 0, 0);
         close(found[0], 1.0 - opacity, "red");
     }

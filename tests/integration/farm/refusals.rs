@@ -11,7 +11,7 @@ use wavecrest_core::render::RenderOptions;
 use wavecrest_core::tile::Tile;
 use wavecrest_image::farm::merge::merge;
 use wavecrest_image::farm::part::PartReader;
-use wavecrest_scene::systems::Options;
+use wavecrest_scene::systems::SceneOptions;
 
 use super::{begin, checkpoint, no_warning, render_until, shard, write_part, write_parts};
 use crate::parts::ball;
@@ -182,7 +182,7 @@ fn parts_and_checkpoints_of_another_image_are_refused_with_the_difference() {
     transcript::check("strangers", |input, changes| {
         let precision = if input == "fast" { Precision::Fast } else { Precision::Exact };
         let scene = edited(strangers_scene(), changes);
-        let by = Options { precision, ..Options::default() };
+        let by = SceneOptions { precision, ..SceneOptions::default() };
         let scene = prepare_in(&repository(""), &scene, by);
         let options = match input {
             "seed" => RenderOptions { seed: 5, ..options() },

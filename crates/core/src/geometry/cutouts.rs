@@ -42,9 +42,9 @@ pub struct MeshUvs {
     /// The number of the mesh's first position.
     pub first_position: u32,
     /// The coordinates; empty if there are none.
-    pub uvs: Arc<CornerValues<Vec2>>,
+    pub uvs: CornerValues<Vec2>,
     /// The alphas of vertex colours, which multiply that of the image.
-    pub alphas: Option<Arc<CornerValues<f32>>>,
+    pub alphas: Option<CornerValues<f32>>,
 }
 
 impl Geometry {

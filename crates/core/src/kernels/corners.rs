@@ -1,13 +1,15 @@
 //! Values at the corners of a mesh's triangles.
 
+use wavecrest_base::shared::Shared;
+
 /// Values for each corner of each triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CornerValues<T> {
     /// The distinct values.
-    pub values: Vec<T>,
+    pub values: Shared<T>,
     /// The value of each corner of each triangle, [`NO_VALUE`] for none; or `None` if values are
     /// indexed like positions.
-    pub indices: Option<Vec<[u32; 3]>>,
+    pub indices: Option<Shared<[u32; 3]>>,
 }
 
 /// In [`CornerValues::indices`]: this corner has no value.
@@ -16,6 +18,13 @@ pub const NO_VALUE: u32 = u32::MAX;
 /// Values indexed like positions.
 impl<T> From<Vec<T>> for CornerValues<T> {
     fn from(values: Vec<T>) -> Self {
+        Shared::from(values).into()
+    }
+}
+
+/// Values indexed like positions.
+impl<T> From<Shared<T>> for CornerValues<T> {
+    fn from(values: Shared<T>) -> Self {
         Self { values, indices: None }
     }
 }

@@ -176,11 +176,16 @@ const fn row(
     Pass { step, part_of, needs, reads, writes }
 }
 
-/// `passes` without needs: every scene does all work. The image is the same, since effects that a
+/// [`PASSES`] without needs: every scene does all work. The image is the same, since effects that a
 /// scene lacks add nothing to it.
-pub fn unplanned(passes: &[Pass]) -> Vec<Pass> {
-    passes.iter().map(|&pass| Pass { needs: &[], ..pass }).collect()
-}
+pub const UNPLANNED: [Pass; PASSES.len()] = {
+    let (mut passes, mut i) = (PASSES, 0);
+    while i < passes.len() {
+        passes[i].needs = &[];
+        i += 1;
+    }
+    passes
+};
 
 /// The steps that run, and the columns that have storage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

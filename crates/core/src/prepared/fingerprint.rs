@@ -20,7 +20,7 @@ impl Hasher {
     /// Hashes values at corners, and which corners have them.
     fn corners<T: bytemuck::NoUninit>(&mut self, corners: &CornerValues<T>) {
         self.list(&corners.values);
-        self.list(corners.indices.as_deref().unwrap_or(&[]));
+        self.list(corners.indices.as_ref().map_or(&[], |indices| indices.as_slice()));
     }
 
     /// Hashes a cut-out: its primitives, mapping and image.

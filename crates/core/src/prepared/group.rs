@@ -158,11 +158,11 @@ impl<F: Single> Group<F> {
         }
         let class = scene.appearance.class(shape);
         if class.fades {
-            let alphas = scene.corners(shape, primitive, |mesh| mesh.alphas.as_deref());
+            let alphas = scene.corners(shape, primitive, |mesh| mesh.alphas.as_ref());
             set::<F>(&mut self.alphas, lane, alphas.unwrap_or([1.0; 3]).into());
         }
         if class.looks_up_uvs {
-            let uvs = scene.corners(shape, primitive, |mesh| mesh.uvs.as_deref());
+            let uvs = scene.corners(shape, primitive, |mesh| mesh.uvs.as_ref());
             self.has_uvs |= u32::from(uvs.is_some()) << lane;
             for ([u, v], at) in self.uvs.iter_mut().zip(uvs.unwrap_or_default()) {
                 (u.as_mut()[lane], v.as_mut()[lane]) = (at.x, at.y);

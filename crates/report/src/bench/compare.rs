@@ -20,7 +20,7 @@ use crate::summary::{MedianInterval, Summary, median};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::counters::{Counters, Kernels, TestCounts};
 use wavecrest_core::plan::Plan;
-use wavecrest_core::plan::schedule::{PASSES, unplanned};
+use wavecrest_core::plan::schedule::UNPLANNED;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
 use wavecrest_core::tile::TimedPass;
@@ -163,7 +163,7 @@ pub(super) fn run(
     }
     scene.plan = match is_planned {
         true => planned.clone(),
-        false => Plan::of(planned.decisions().to_vec(), &unplanned(&PASSES)),
+        false => Plan::of(planned.decisions().to_vec(), &UNPLANNED),
     };
     let options = RenderOptions { tracer, batch, seed, crop: None };
     if threads == rayon::current_num_threads() {

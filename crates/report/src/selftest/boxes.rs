@@ -155,7 +155,9 @@ pub(super) fn duplicates(rng: &mut InputRng) -> World {
     for i in (1..triangles.len()).rev() {
         triangles.swap(i, rng.below(i + 1));
     }
-    World::new(Geometry { triangles, ..base }, MIXED, |rng| Some(between_points(rng)))
+    World::new(Geometry { triangles: triangles.into(), ..base }, MIXED, |rng| {
+        Some(between_points(rng))
+    })
 }
 
 /// Number of triangles in case 23, and the ratio of consecutive sizes.

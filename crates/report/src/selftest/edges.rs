@@ -80,7 +80,8 @@ pub(super) fn scans(rng: &mut InputRng) -> World {
         let a = i / (POINTS - 1) * POINTS + i % (POINTS - 1);
         [[a, a + 1, a + POINTS + 1], [a, a + POINTS + 1, a + POINTS]]
     });
-    let geometry = Geometry { positions, triangles: cells.collect(), ..Geometry::default() };
+    let geometry =
+        Geometry { positions: positions.into(), triangles: cells.collect(), ..Geometry::default() };
     World::new(geometry.clone(), ALL_HIT, move |rng| {
         let inner = |rng: &mut InputRng| 1 + rng.below(POINTS as usize - 3) as u32;
         let first = inner(rng) + inner(rng) * POINTS;

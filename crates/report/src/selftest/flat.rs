@@ -62,7 +62,8 @@ pub(super) fn crooked_quads(rng: &mut InputRng) -> World {
         side
     });
     let positions = corners.map(|corner| corner.as_vec3()).to_vec();
-    let geometry = Geometry { positions, quads: quads.to_vec(), ..Geometry::default() };
+    let geometry =
+        Geometry { positions: positions.into(), quads: quads.to_vec(), ..Geometry::default() };
     World::new(geometry, ALL_HIT, move |rng| {
         let points = rng.among(quads).map(|corner| corners[corner as usize]);
         let origin = rng.ball(0.3 * points[0].length()).as_vec3();

@@ -35,7 +35,7 @@ fn prepared(effort: &Effort, file: &Path) -> Result<PreparedScene> {
     let extracted = |size: [Option<u32>; 2]| -> Result<Extracted> {
         let [width, height] = size;
         let loaded = load(file, &LoadOptions { width, height, ..LoadOptions::default() })?;
-        let options = systems::Options { precision: effort.precision, ..Default::default() };
+        let options = systems::SceneOptions { precision: effort.precision, ..Default::default() };
         systems::extract(loaded.world, options)
     };
     let whole = extracted([None; 2])?;

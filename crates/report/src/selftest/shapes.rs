@@ -106,7 +106,7 @@ impl Closed {
         let radius = distances.fold(f64::INFINITY, f64::min);
         let positions =
             unscaled.iter().map(|p| (p * scale + offset.as_dvec3()).as_vec3()).collect();
-        let geometry = Geometry { positions, triangles, ..Geometry::default() };
+        let geometry = Geometry { positions, triangles: triangles.into(), ..Geometry::default() };
         Self { geometry, scale, offset, radius }
     }
 

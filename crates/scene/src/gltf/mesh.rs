@@ -5,6 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::format::Notes;
 use crate::mesh::{Attribute, MeshData, Scalar, bad_position, is_good_position};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::shared::Shared;
 
 use super::accessor::{Accessor, is_index};
 use super::document::Document;
@@ -79,7 +80,15 @@ impl<'a> PrimitiveReader<'a> {
         let colors = self.colors(&vertices)?;
         let alphas = if uses_alpha { self.alphas(&vertices)? } else { None };
         let origin = DVec3::ZERO;
-        Ok(Some(MeshData { positions, origin, triangles, normals, uvs, colors, alphas }))
+        Ok(Some(MeshData {
+            positions: positions.into(),
+            origin,
+            triangles: triangles.into(),
+            normals,
+            uvs,
+            colors: colors.map(Shared::from),
+            alphas: alphas.map(Shared::from),
+        }))
     }
 
     fn accessor(&self, index: usize) -> &'a Accessor {

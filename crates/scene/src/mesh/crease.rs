@@ -19,6 +19,7 @@ use super::join::first_of_each;
 use super::{Attribute, NO_VALUE};
 use crate::corners::direction;
 use wavecrest_base::parallel;
+use wavecrest_base::shared::Shared;
 
 /// Largest rotation of a face by single-precision rounding, in degrees. The edges of a prism of
 /// twelve sides have 30 degrees up to this error; either all of them are creases or none.
@@ -76,7 +77,7 @@ pub(crate) fn normals(
         }
         values.extend(normals);
     }
-    Attribute { values, indices }
+    Attribute { values: values.into(), indices: indices.map(Shared::from) }
 }
 
 struct CreaseMesh<'a> {
@@ -276,7 +277,7 @@ mod tests {
     fn found(points: &[Vec3], triangles: &[[u32; 3]], degrees: f64) -> Vec<[Vec3; 3]> {
         let Attribute { values, indices } = normals(points, triangles, degrees, false);
         let of = |corners: &[u32; 3]| corners.map(|i| values[i as usize]);
-        indices.as_deref().unwrap_or(triangles).iter().map(of).collect()
+        indices.as_deref().map_or(triangles, Vec::as_slice).iter().map(of).collect()
     }
 
     /// Two squares that meet along the z axis at this angle in degrees.

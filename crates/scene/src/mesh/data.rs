@@ -5,6 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::crease;
 use wavecrest_base::error::{Error, Warning};
 use wavecrest_base::parallel;
+use wavecrest_base::shared::Shared;
 use wavecrest_core::math::srgb::srgb_decode;
 pub use wavecrest_core::prepared::{CornerValues as Attribute, NO_VALUE};
 
@@ -32,20 +33,20 @@ wavecrest_base::choices! {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
     /// Vertex positions, relative to the origin.
-    pub positions: Vec<Vec3>,
+    pub positions: Shared<Vec3>,
     /// The origin of the positions in the mesh's own space: zero unless the mesh is far away.
     pub origin: DVec3,
     /// Three positions a triangle, counter-clockwise as seen from the front.
-    pub triangles: Vec<[u32; 3]>,
+    pub triangles: Shared<[u32; 3]>,
     /// Shading normals, of any length; a zero vector is an unknown normal.
     pub normals: Option<Attribute<Vec3>>,
     /// Texture coordinates, v upward.
     pub uvs: Option<Attribute<Vec2>>,
     /// A colour for each position, not negative: linear, or encoded as in the file until it is
     /// decoded.
-    pub colors: Option<Vec<Vec3>>,
+    pub colors: Option<Shared<Vec3>>,
     /// An alpha for each position, 0 to 1, which opacity or a cut-out uses; `None` if all are 1.
-    pub alphas: Option<Vec<f32>>,
+    pub alphas: Option<Shared<f32>>,
 }
 
 impl MeshData {
@@ -143,7 +144,7 @@ impl MeshData {
             origin: self.origin,
             colors: self.colors.as_ref().map(|colors| picked(colors, &used)),
             alphas: self.alphas.as_ref().map(|alphas| picked(alphas, &used)),
-            triangles,
+            triangles: triangles.into(),
             normals: self.normals.as_ref().map(|all| attribute(all, which, &used, numbers)),
             uvs: self.uvs.as_ref().map(|all| attribute(all, which, &used, numbers)),
         }
@@ -159,10 +160,10 @@ fn attribute<T: Copy>(
 ) -> Attribute<T> {
     let Some(indices) = indices else { return picked(values, used).into() };
     let (indices, used) = renumbered(which, indices, values.len(), numbers);
-    Attribute { values: picked(values, &used), indices: Some(indices) }
+    Attribute { values: picked(values, &used), indices: Some(indices.into()) }
 }
 
-fn picked<T: Copy>(values: &[T], which: &[u32]) -> Vec<T> {
+fn picked<T: Copy>(values: &[T], which: &[u32]) -> Shared<T> {
     which.iter().map(|&i| values[i as usize]).collect()
 }
 

@@ -116,10 +116,10 @@ impl UnfinishedMesh {
         let mesh = MeshData {
             uvs: attribute(all.uvs, of_uvs, &triangles, count),
             normals: attribute(all.normals, of_normals, &triangles, count),
-            positions: all.positions,
+            positions: all.positions.into(),
             origin: all.origin,
-            triangles,
-            colors: (!all.colors.is_empty()).then_some(all.colors),
+            triangles: triangles.into(),
+            colors: (!all.colors.is_empty()).then_some(all.colors.into()),
             alphas: None,
         };
         Ok((mesh, notes, all.materials))
@@ -139,7 +139,7 @@ fn attribute<T>(
     values.shrink_to_fit();
     indices.shrink_to_fit();
     let same = values.len() == positions && indices == triangles;
-    Some(Attribute { values, indices: (!same).then_some(indices) })
+    Some(Attribute { values: values.into(), indices: (!same).then_some(indices.into()) })
 }
 
 #[cfg(test)]

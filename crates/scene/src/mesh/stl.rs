@@ -61,7 +61,11 @@ pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read
         return Err(no_triangles());
     }
     let (positions, triangles) = join::join(corners);
-    let mesh = MeshData { positions, triangles, ..MeshData::default() };
+    let mesh = MeshData {
+        positions: positions.into(),
+        triangles: triangles.into(),
+        ..MeshData::default()
+    };
     Ok((mesh, notes, NamedMaterials::default()))
 }
 

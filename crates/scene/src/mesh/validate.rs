@@ -160,13 +160,19 @@ mod tests {
     #[test]
     fn attributes_fit_the_mesh() {
         let mut mesh = strip(2);
-        mesh.uvs = Some(Attribute { values: vec![Vec2::ZERO; 3], indices: None });
+        mesh.uvs = Some(Attribute { values: vec![Vec2::ZERO; 3].into(), indices: None });
         assert!(validate(&mesh, Path::new("m")).unwrap_err().to_string().contains("vertices"));
         let indices = Some(vec![[0, 1, 2], [NO_VALUE; 3]]);
-        mesh.uvs = Some(Attribute { values: vec![Vec2::ZERO; 3], indices });
+        mesh.uvs = Some(Attribute {
+            values: vec![Vec2::ZERO; 3].into(),
+            indices: indices.map(Into::into),
+        });
         validate(&mesh, Path::new("m")).unwrap();
         let indices = Some(vec![[0, 1, 2], [0, 3, 1]]);
-        mesh.uvs = Some(Attribute { values: vec![Vec2::ZERO; 3], indices });
+        mesh.uvs = Some(Attribute {
+            values: vec![Vec2::ZERO; 3].into(),
+            indices: indices.map(Into::into),
+        });
         let error = validate(&mesh, Path::new("m")).unwrap_err().to_string();
         assert!(error.contains("texture coordinate index"), "{error}");
     }

@@ -15,6 +15,7 @@ use crate::format::{
 use crate::mesh::{Attribute, MeshData, VertexColors};
 use crate::surface::existing_file;
 use wavecrest_base::error::Result;
+use wavecrest_base::shared::Shared;
 
 const POINTS: &str = "an array of at least three points [[x, y, z], ...]";
 const INDICES: &str = "an array of triangles [[a, b, c], ...], at least one";
@@ -126,11 +127,11 @@ fn mesh_file(cursor: &Cursor<'_>) -> Result<PathBuf> {
 /// A triangle mesh. Its front is where the corners run counter-clockwise, as in mesh files.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// The arrays. The geometry system moves them out, so that a large mesh is never held twice.
+    /// The arrays, which the geometry of a prepared scene shares as far as it has them unchanged.
     pub data: MeshData,
     /// Positions of an inline mesh in double precision, if they have more digits than single
     /// precision: they are moved before they are rounded.
-    pub points: Option<Vec<DVec3>>,
+    pub points: Option<Shared<DVec3>>,
     /// The file of the mesh, if any. A mesh without one has its attributes by vertex, and is
     /// written into the scene file itself.
     pub file: Option<PathBuf>,
@@ -191,14 +192,14 @@ impl Declared for Mesh {
         let data = MeshData {
             positions: points.iter().map(|p| p.as_vec3()).collect(),
             origin: DVec3::ZERO,
-            triangles,
+            triangles: triangles.into(),
             normals: normals.map(Attribute::from),
             uvs: uvs.map(Attribute::from),
             colors,
             alphas,
         };
         let is_rounded = points.iter().any(|p| p.as_vec3().as_dvec3() != *p);
-        Ok(Some(Self { data, points: is_rounded.then_some(points), file: None }))
+        Ok(Some(Self { data, points: is_rounded.then_some(points.into()), file: None }))
     }
 
     fn write(&self, to: &mut Writer<'_>) {
@@ -212,13 +213,16 @@ impl Declared for Mesh {
             return;
         }
         let MeshData { positions, triangles, normals, uvs, colors, alphas, .. } = &self.data;
-        to.set("points", self.points.as_ref().map_or_else(|| json!(positions), |all| json!(all)));
+        to.set(
+            "points",
+            self.points.as_ref().map_or_else(|| json!(**positions), |all| json!(**all)),
+        );
         let corners: Vec<_> = triangles.iter().map(|corners| reversed(*corners)).collect();
         to.set("indices", json!(corners));
-        normals.iter().for_each(|normals| to.set("normals", json!(normals.values)));
-        colors.iter().for_each(|colors| to.set("colors", json!(colors)));
-        uvs.iter().for_each(|uvs| to.set("uvs", json!(uvs.values)));
-        alphas.iter().for_each(|alphas| to.set("alphas", json!(alphas)));
+        normals.iter().for_each(|normals| to.set("normals", json!(*normals.values)));
+        colors.iter().for_each(|colors| to.set("colors", json!(**colors)));
+        uvs.iter().for_each(|uvs| to.set("uvs", json!(*uvs.values)));
+        alphas.iter().for_each(|alphas| to.set("alphas", json!(**alphas)));
     }
 }
 
@@ -283,8 +287,8 @@ fn by_point<T>(
     points: usize,
     each: &str,
     read: impl FnMut(Cursor<'_>) -> Result<T>,
-) -> Result<Option<Vec<T>>> {
+) -> Result<Option<Shared<T>>> {
     let Some(cursor) = object.get(key) else { return Ok(None) };
     let what = format!("an array of {points} times {each}, one for each point");
-    cursor.each_of(points..=points, &what, read).map(Some)
+    cursor.each_of(points..=points, &what, read).map(|all| Some(all.into()))
 }

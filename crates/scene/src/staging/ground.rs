@@ -60,7 +60,7 @@ pub(super) fn spawn(
     let arriving: DVec3 = lamps.iter().map(|lamp| lamp.color * mean_cosine(lamp, up)).sum();
     let material = Material { diffuse_color: colors.0 / (arriving + colors.1), ..Material::MATTE };
     let triangles = (1..corners.len() as u32 - 1).map(|i| [0, i, i + 1]).collect();
-    let data = MeshData { positions: corners, triangles, ..MeshData::default() };
+    let data = MeshData { positions: corners.into(), triangles, ..MeshData::default() };
     // Behind all shapes of the file.
     let names = (Order(u32::MAX), JsonPath("the ground".into()), Name("ground".into()));
     let mesh = Mesh { data, ..Mesh::default() };

@@ -168,7 +168,11 @@ fn ceiling(corners: [DVec3; 4]) -> (Order, JsonPath, AreaLight, Mesh) {
         samples: CEILING_SAMPLES,
     };
     let positions = corners.map(|corner| corner.as_vec3()).to_vec();
-    let data = MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Default::default() };
+    let data = MeshData {
+        positions: positions.into(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
+        ..Default::default()
+    };
     (Order(0), JsonPath("the lamp".to_owned()), light, Mesh { data, ..Mesh::default() })
 }
 

@@ -90,11 +90,11 @@ mod tests {
         assert_eq!(of(&Geometry::default()), None);
         let positions = vec![Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0)];
         let bounds = around(&positions);
-        let prototype = Geometry { positions: positions.clone(), ..Geometry::default() };
+        let prototype = Geometry { positions: positions.clone().into(), ..Geometry::default() };
         let turned = DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_2);
         let moved = DAffine3::from_translation(DVec3::new(10.0, 0.0, 0.0)) * turned;
         let geometry = Geometry {
-            positions,
+            positions: positions.into(),
             quadrics: vec![Quadric::Sphere(Vec3::new(0.0, 0.0, -5.0), 2.0)],
             prototypes: vec![prototype],
             instances: vec![Instance::new(0, 1, moved, &bounds)],

@@ -82,7 +82,7 @@ fn cutout(
 ) -> Cutout {
     let mesh = attributes.and_then(|mesh| {
         let &MeshAttributes { first_triangle, first_position, ref uvs, ref alphas, .. } = mesh;
-        let none = || alphas.as_ref().map(|_| Arc::default());
+        let none = || alphas.as_ref().map(|_| Default::default());
         let uvs = uvs.clone().or_else(none)?;
         Some(MeshUvs { first_triangle, first_position, uvs, alphas: alphas.clone() })
     });
@@ -119,7 +119,8 @@ pub(crate) fn left(mesh: &MeshData, found: &CutOut, images: &mut Masks) -> Optio
         let uv = |i, j| a + (b - a) * share(i) + (c - a) * share(j);
         (0..=TRIED).any(|i| (0..=TRIED - i).any(|j| shows(uv(i, j))))
     };
-    let all = mesh.triangles.par_iter().zip(uvs.indices.as_ref().unwrap_or(&mesh.triangles));
+    let all =
+        mesh.triangles.par_iter().zip(uvs.indices.as_ref().unwrap_or(&mesh.triangles).par_iter());
     let left: Vec<_> = all.filter(|(_, at)| is_left(at)).map(|(triangle, _)| *triangle).collect();
     (left.len() < mesh.triangles.len()).then_some(left)
 }

@@ -11,7 +11,7 @@ use hecs::World;
 
 use super::camera::{self, frames_of};
 use super::textures::Images;
-use super::{Options, brightness};
+use super::{SceneOptions, brightness};
 use crate::components::{FreeCamera, Settings, View};
 use crate::query;
 use wavecrest_base::error::Result;
@@ -35,8 +35,8 @@ pub(crate) struct Frame {
     pub(crate) visible: Visible,
 }
 
-pub(super) fn run(world: &World, options: &Options<'_>, images: &mut Images) -> Result<Frame> {
-    let &Options { precision, passes, exposure, .. } = options;
+pub(super) fn run(world: &World, options: &SceneOptions, images: &mut Images) -> Result<Frame> {
+    let &SceneOptions { precision, passes, exposure, .. } = options;
     let skips = passes.iter().any(|pass| pass.step == Step::Shadow && !pass.needs.is_empty());
     // Fast precision has no error bounds, so nothing is certain, and uses coordinates unchanged.
     let is_fast = precision == Precision::Fast;

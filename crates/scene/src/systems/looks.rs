@@ -10,13 +10,37 @@ use crate::components::{
     TextureSource, Wrap,
 };
 use crate::query::{change, remove};
+use wavecrest_image::look::Look;
 
 /// The reflectance of clay.
 const CLAY: DVec3 = DVec3::splat(0.5);
 
+/// Replaces the surfaces of the world by those of a look.
+pub(super) fn show(world: &mut World, look: Look) {
+    leave_out(world, look);
+    match look {
+        Look::Clay => clay(world),
+        Look::Uv => show_uvs(world),
+        _ => {}
+    }
+}
+
+/// Removes what a look does not show: an added ground is no part of the file, and has an edge and a depth of its own. Only
+/// clay, which is lit, has it.
+pub fn leave_out(world: &mut World, look: Look) {
+    if look == Look::Clay {
+        return;
+    }
+    let grounds = world.query_mut::<(Entity, &Ground)>().into_iter();
+    let grounds: Vec<_> = grounds.map(|(entity, _)| entity).collect();
+    for ground in grounds {
+        let _ = world.despawn(ground);
+    }
+}
+
 /// Gives every surface one matte grey, and no texture or other colour; except an added ground, whose
 /// edge would show.
-pub fn clay(world: &mut World) {
+fn clay(world: &mut World) {
     for material in world.query_mut::<Without<&mut Material, &Ground>>() {
         *material = Material { diffuse_color: CLAY, ..Material::MATTE };
     }
@@ -26,7 +50,7 @@ pub fn clay(world: &mut World) {
 }
 
 /// Shows the texture coordinates of every surface as colours; surfaces without are grey.
-pub fn show_uvs(world: &mut World) {
+fn show_uvs(world: &mut World) {
     clay(world);
     let texture = TextureRef {
         look_up: LookUp {

@@ -54,7 +54,7 @@ fn no_combination_of_effects_runs_anything_in_vain() {
 
 #[test]
 fn without_needs_everything_runs_and_every_column_has_storage() {
-    let found = schedule(&unplanned(&PASSES), |_| false);
+    let found = schedule(&UNPLANNED, |_| false);
     check(&PASSES, found);
     assert!(PASSES.iter().all(|pass| found.runs(pass.step) && found.is_unconditional(pass.step)));
     assert_eq!(found.columns().collect::<Vec<_>>(), ColumnGroup::ALL);

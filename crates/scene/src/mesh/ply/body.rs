@@ -156,7 +156,7 @@ impl Body {
         self.notes.extend(scale_byte_colors(&mut colors));
         self.notes.extend(mend(&mut [], &mut of_faces, &mut []));
         triangles.shrink_to_fit();
-        let of_corners = Attribute { values: of_faces, indices: Some(of_uvs) };
+        let of_corners = Attribute { values: of_faces.into(), indices: Some(of_uvs.into()) };
         let uvs = if of_corners.values.is_empty() { attribute(uvs) } else { Some(of_corners) };
         if uvs.is_none() && !images.textures.is_empty() {
             let message = "the mesh names an image, but has no texture coordinates";
@@ -168,12 +168,12 @@ impl Body {
             images.runs.push((0, name.clone()));
         }
         let mesh = MeshData {
-            positions,
+            positions: positions.into(),
             origin,
-            triangles,
+            triangles: triangles.into(),
             normals: attribute(normals),
             uvs,
-            colors: (!colors.is_empty()).then_some(colors),
+            colors: (!colors.is_empty()).then_some(colors.into()),
             alphas: None,
         };
         Ok((mesh, self.notes, images))

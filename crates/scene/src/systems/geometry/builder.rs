@@ -1,7 +1,5 @@
 //! Collects shapes in the scene's own arrays, kind by kind.
 
-use std::sync::Arc;
-
 use glam::{DVec3, Vec3, Vec4};
 
 use super::meshes::{Meshes, append, transform_mesh};
@@ -149,9 +147,9 @@ pub(super) fn attributes(
         first_triangle,
         first_position,
         normals: mesh.normals,
-        uvs: mesh.uvs.map(Arc::new),
+        uvs: mesh.uvs,
         colors: mesh.colors.map(CornerValues::from),
-        alphas: mesh.alphas.map(CornerValues::from).map(Arc::new),
+        alphas: mesh.alphas.map(CornerValues::from),
         tangents,
     }
 }

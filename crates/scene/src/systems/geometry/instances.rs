@@ -60,7 +60,7 @@ impl GeometryBuilder {
         let (Mesh { data: mut mesh, points, .. }, uses) = meshes.take(prototype);
         keep_used(&mut mesh, uses.smooth, uses.textured);
         let tangents = uses.normal_mapped.then(|| tangents(&mesh)).flatten();
-        let origin = origin(&mesh.positions, points.as_deref());
+        let origin = origin(&mesh.positions, points.as_deref().map(Vec::as_slice));
         if origin != DVec3::ZERO {
             parallel::each_mut(&mut mesh.positions, |i, p| {
                 let point = points.as_ref().map_or(p.as_dvec3(), |points| points[i]);

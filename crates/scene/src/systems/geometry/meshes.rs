@@ -11,6 +11,7 @@ use crate::mesh::MeshData;
 use crate::systems::placement::{ShapeGeometry, ShapeInstance, in_range};
 use wavecrest_base::error::Result;
 use wavecrest_base::parallel;
+use wavecrest_base::shared::Shared;
 use wavecrest_core::math::float::normalize_f64;
 use wavecrest_core::prepared::CornerValues;
 
@@ -97,10 +98,10 @@ impl Meshes {
 }
 
 /// Moves `more` to the end of `all`, which will have `room` items in the end, each `shifted` by the
-/// number of positions `before` it; without a copy if `all` is empty.
+/// number of positions `before` it; without a copy if `all` is empty and stays as it is, or nothing shares them.
 pub(super) fn append<T: Copy + Send>(
-    all: &mut Vec<T>,
-    more: Vec<T>,
+    all: &mut Shared<T>,
+    more: Shared<T>,
     room: usize,
     before: u32,
     shifted: impl Fn(T, u32) -> T + Sync + Send,
@@ -108,11 +109,14 @@ pub(super) fn append<T: Copy + Send>(
     if before == 0 {
         // There are no triangles either: they would need positions.
         *all = more;
-        // Once, instead of by doubling. Large arrays are not copied for it: the system moves pages.
-        all.reserve_exact(room.saturating_sub(all.len()));
+        if room > all.len() {
+            // Once, instead of by doubling. Large arrays are not copied for it: the system moves pages.
+            let further = room - all.len();
+            all.reserve_exact(further);
+        }
     } else {
         let own = all.len();
-        all.extend(more);
+        all.extend_from_slice(&more);
         parallel::each_mut(&mut all[own..], |_, item| *item = shifted(*item, before));
     }
 }
@@ -121,7 +125,7 @@ pub(super) fn append<T: Copy + Send>(
 /// `points` replace the positions, if given.
 pub(super) fn transform_mesh(
     mesh: &mut MeshData,
-    points: Option<Vec<DVec3>>,
+    points: Option<Shared<DVec3>>,
     tangents: Option<&mut CornerValues<Vec4>>,
     instance: &ShapeInstance,
 ) -> Result<()> {

@@ -117,9 +117,9 @@ mod tests {
     fn square(uvs: [[f32; 2]; 4]) -> MeshData {
         let positions = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         MeshData {
-            positions: positions.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            uvs: Some(Attribute { values: uvs.map(Vec2::from).to_vec(), indices: None }),
+            positions: positions.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec().into(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
+            uvs: Some(Attribute { values: uvs.map(Vec2::from).to_vec().into(), indices: None }),
             ..MeshData::default()
         }
     }
@@ -147,8 +147,11 @@ mod tests {
     fn a_seam_between_mirrored_halves_has_tangents_by_corner() {
         let mut mesh = square([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
         mesh.uvs = Some(Attribute {
-            values: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [1.0, 0.0]].map(Vec2::from).to_vec(),
-            indices: Some(vec![[0, 1, 2], [0, 2, 3]]),
+            values: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [1.0, 0.0]]
+                .map(Vec2::from)
+                .to_vec()
+                .into(),
+            indices: Some(vec![[0, 1, 2], [0, 2, 3]].into()),
         });
         let found = tangents(&mesh).expect("tangents");
         assert!(found.indices.is_some());

@@ -26,7 +26,11 @@ fn shape(two_sided: bool, flipped: bool) -> Shape {
 }
 
 fn of_triangle(corners: [Vec3; 3]) -> Geometry {
-    Geometry { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Geometry::default() }
+    Geometry {
+        positions: corners.to_vec().into(),
+        triangles: vec![[0, 1, 2]].into(),
+        ..Geometry::default()
+    }
 }
 
 fn of_quadric(quadric: Quadric) -> Geometry {

@@ -16,8 +16,8 @@ fn coordinates_of_faces_belong_to_corners() {
     let (mesh, notes, images) = read(&ascii(&header, &format!("{SQUARE}{rows}")));
     assert!(notes.is_empty(), "{notes:?}");
     let uvs = mesh.uvs.unwrap();
-    let of = |triangle: [u32; 3]| triangle.map(|i| uvs.values[i as usize]);
-    let found: Vec<_> = uvs.indices.unwrap().into_iter().map(of).collect();
+    let of = |triangle: &[u32; 3]| triangle.map(|i| uvs.values[i as usize]);
+    let found: Vec<_> = uvs.indices.as_ref().unwrap().iter().map(of).collect();
     let half = Vec2::splat(0.5);
     assert_eq!(found[0], [Vec2::ZERO, Vec2::X, Vec2::ONE]);
     assert_eq!(found[1], [Vec2::ZERO, Vec2::new(0.5, 0.0), half]);

@@ -36,7 +36,10 @@ fn several_meshes_stand_one_behind_the_other() {
         let mut world = World::new();
         let mut meshes = vec![strip(40_000), MeshData::default(), strip(70_000)];
         if empty_first {
-            meshes.insert(0, MeshData { positions: vec![Vec3::ONE; 7], ..MeshData::default() });
+            meshes.insert(
+                0,
+                MeshData { positions: vec![Vec3::ONE; 7].into(), ..MeshData::default() },
+            );
         }
         let points = [DVec3::ZERO, DVec3::X, DVec3::Y];
         world.spawn((Order(2), JsonPath(String::new()), Triangle { points }));
@@ -46,14 +49,14 @@ fn several_meshes_stand_one_behind_the_other() {
         let output = arrays(&mut world).unwrap();
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         let as_mesh = MeshData {
-            positions: points.map(|p| p.as_vec3()).to_vec(),
-            triangles: vec![[0, 1, 2]],
+            positions: points.map(|p| p.as_vec3()).to_vec().into(),
+            triangles: vec![[0, 1, 2]].into(),
             ..MeshData::default()
         };
         meshes.insert(2, as_mesh);
         for mesh in meshes {
             let before = positions.len() as u32;
-            positions.extend(mesh.positions);
+            positions.extend(&mesh.positions);
             triangles.extend(mesh.triangles.into_iter().map(|t| t.map(|v| v + before)));
         }
         assert_eq!(output.geometry.positions, positions);
@@ -100,7 +103,7 @@ fn the_first_position_moved_too_far_is_reported() {
 fn attributes_that_nothing_reads_are_dropped() {
     let mut world = World::new();
     let mut data = strip(10);
-    data.normals = Some(Attribute { values: vec![Vec3::Z; 12], indices: None });
+    data.normals = Some(Attribute { values: vec![Vec3::Z; 12].into(), indices: None });
     spawn(&mut world, 0, data);
     let output = arrays(&mut world).unwrap();
     assert!(output.meshes.is_empty() && world.query::<&Shape>().iter().all(|shape| !shape.smooth));
