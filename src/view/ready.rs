@@ -151,10 +151,8 @@ impl Ready {
 
     /// The options of a render from where it is placed.
     pub(super) fn options(&self, args: &ViewArgs, tracer: TracerKind) -> RenderOptions {
-        let pixels = self.scene.camera.size().map(|side| side as usize).iter().product::<usize>();
         // A small image is cut into tiles for all threads, too.
-        let paths = pixels * self.scene.camera.rays_per_pixel() as usize;
-        let share = paths / (SHARES * rayon::current_num_threads());
+        let share = self.scene.camera_rays() as usize / (SHARES * rayon::current_num_threads());
         let batch = share.clamp(LEAST_BATCH, args.batch.max(LEAST_BATCH as u32) as usize);
         RenderOptions { tracer, seed: args.seed, batch, ..RenderOptions::default() }
     }

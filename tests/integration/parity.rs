@@ -22,6 +22,7 @@ use wavecrest_core::plan::schedule::UNPLANNED;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind};
 use wavecrest_core::tile::Tile;
+use wavecrest_image::look::Look;
 use wavecrest_image::write::Transfer;
 use wavecrest_report::selftest::examine::{SceneTrial, trial};
 use wavecrest_report::selftest::{Count, Effort};
@@ -234,6 +235,14 @@ fn check_hash(name: &str, film: &Film, hash: &str, golden: Option<&str>) -> Resu
     Err(format!("hash {hash}, not {golden}: see {}; if it is right: {again}", seen.display()))
 }
 
+/// Copies of what was loaded are prepared as they are, and leave it as it was.
+fn check_copies(loaded: LoadedScene, fingerprint: u128) -> Result<(), String> {
+    let clay = SceneOptions { look: Some(Look::Clay), ..SceneOptions::default() };
+    let _ = ready_by(Ok(loaded.clone()), clay);
+    let same = ready(Ok(loaded)).fingerprint() == fingerprint;
+    same.then_some(()).ok_or_else(|| "a copy is another scene".to_owned())
+}
+
 fn hash(film: &Film) -> String {
     let bits = film.pixels().as_flattened().iter().flat_map(|value| value.to_bits().to_le_bytes());
     format!("{:016x}", xxh3_64(&bits.collect::<Vec<u8>>()))
@@ -247,7 +256,8 @@ fn every_scene_has_one_image_however_it_is_rendered() {
     let check = |(name, path): &(String, PathBuf)| {
         let loaded = load_small(path, LONGEST, MOST_RAYS);
         let again = written(&loaded);
-        let mut scene = ready(Ok(loaded));
+        let mut scene = ready(Ok(loaded.clone()));
+        let prepared = scene.fingerprint();
         let usual = render_on(1, &scene, &options());
         let hash = hash(&usual.film);
         let checked = check_hash(name, &usual.film, &hash, golden.get(&**name).copied())
@@ -256,7 +266,8 @@ fn every_scene_has_one_image_however_it_is_rendered() {
             .and_then(|()| check_hits(&scene))
             .and_then(|()| check_trees(&mut scene, &usual.film))
             .and_then(|()| check_plan(path, &usual.film))
-            .and_then(|()| same(&usual.film, &again?, "written"));
+            .and_then(|()| same(&usual.film, &again?, "written"))
+            .and_then(|()| check_copies(loaded, prepared));
         (format!("{name}: {hash}\n"), checked.err().map(|why| format!("{name}: {why}")))
     };
     let models = files_in("scenes/gltf", "gltf").into_iter();

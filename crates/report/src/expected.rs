@@ -70,8 +70,7 @@ impl Expected {
             let again = count(scene, options, side).1;
             building = (first + more - again * (1.0 + rays(&few) / rays(&counters))).max(0.0);
         }
-        let size = scene.camera.size().map(u64::from);
-        let paths = size[0] * size[1] * u64::from(scene.camera.rays_per_pixel());
+        let paths = scene.camera_rays();
         let scale = paths as f64 / counters.rays.primary as f64;
         let all = |count: u64| (count as f64 * scale).round() as u64;
         let primary = camera_rays(scene, options)?;

@@ -207,8 +207,13 @@ impl Extracted {
 
     /// The preset of the tree: that of the options, or the one that is likely to finish first.
     pub fn preset(&self) -> Preset {
-        let likely = || Preset::choose(self.geometry().held() as u64, self.scene.expected_rays());
-        let chosen = || if self.options.at_once { likely().at_once() } else { likely() };
+        let chosen = || {
+            let has_light = self.options.look.is_none_or(Look::is_shaded);
+            let rays =
+                if has_light { self.scene.expected_rays() } else { self.scene.camera_rays() };
+            let likely = Preset::choose(self.geometry().held() as u64, rays);
+            if self.options.at_once { likely.at_once() } else { likely }
+        };
         self.options.bvh.unwrap_or_else(chosen)
     }
 

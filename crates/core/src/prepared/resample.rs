@@ -29,14 +29,18 @@ impl PreparedScene {
         Original { camera: self.camera, lights: self.lights.clone() }
     }
 
+    /// The number of rays of the camera.
+    pub fn camera_rays(&self) -> u64 {
+        let pixels: u64 = self.camera.size().map(u64::from).iter().product();
+        pixels.saturating_mul(u64::from(self.camera.rays_per_pixel()))
+    }
+
     /// About the largest number of rays of a render, from which the preset is chosen.
     pub fn expected_rays(&self) -> u64 {
         let lights: u64 = self.lights.iter().map(|l| u64::from(l.samples())).sum();
-        let pixels: u64 = self.camera.size().map(u64::from).iter().product();
         // Rays beyond the first surface are rare.
         let goes_on = self.bounces > 0 || self.plan.schedule().has_transmission();
-        let paths = pixels.saturating_mul(u64::from(self.camera.rays_per_pixel()));
-        paths.saturating_mul(1 + lights).saturating_mul(1 + u64::from(goes_on))
+        self.camera_rays().saturating_mul(1 + lights).saturating_mul(1 + u64::from(goes_on))
     }
 
     /// Changes the sampling of the scene, whose file had `original`, to `samples`. The image is to
