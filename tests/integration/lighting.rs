@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
+use exr::prelude::read_first_rgba_layer_from_file;
 use hecs::World;
 
 use wavecrest_core::film::Film;
@@ -153,8 +154,15 @@ fn what_no_ray_hits_is_transparent() {
     ball(&folder.path().join("ball.obj"), 24);
     let arguments = ["ball.obj", "a.png", "--also", "a.exr", "--background", "transparent"];
     run_well(folder.path(), &[&arguments[..], &["--width", "40", "--height", "30"]].concat());
-    let read = |name: &str| image::open(folder.path().join(name)).expect(name);
-    let (png, exr) = (read("a.png").into_rgba8(), read("a.exr").into_rgba32f());
+    let png = image::open(folder.path().join("a.png")).expect("a PNG").into_rgba8();
+    let exr = read_first_rgba_layer_from_file(
+        folder.path().join("a.exr"),
+        |size, _| image::Rgba32FImage::new(size.width() as u32, size.height() as u32),
+        |image, at, (r, g, b, a): (f32, f32, f32, f32)| {
+            image.put_pixel(at.x() as u32, at.y() as u32, image::Rgba([r, g, b, a]));
+        },
+    );
+    let exr = exr.expect("an EXR").layer_data.channel_data.pixels;
     assert_eq!((png.get_pixel(0, 0).0, exr.get_pixel(0, 0).0), ([0; 4], [0.0; 4]));
     assert_eq!((png.get_pixel(20, 15).0[3], exr.get_pixel(20, 15).0[3]), (255, 1.0));
     let edge = exr.enumerate_pixels().find(|(.., pixel)| pixel.0[3] == 0.5).expect("half a pixel");

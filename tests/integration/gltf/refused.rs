@@ -53,7 +53,8 @@ fn stocked() -> File {
 }
 
 /// `square`, `skinned`, `morphed` and `stocked` are edited as the lines say; `byte` changes some of the
-/// square as a binary file, `content` is all that a file has, `buffer` names what the square's buffer is, and `image` asks what is said of the square's image too.
+/// square as a binary file, `content` is all that a file has, `buffer` names what the square's buffer is,
+/// and `image` asks what is said of the square's image too.
 #[test]
 fn files_that_are_wrong_are_told_with_the_places() {
     let folder = folder();
