@@ -160,6 +160,9 @@ fn cannot_read(what: &str, error: ImageError, is_packed: bool) -> Error {
         }
         (ImageError::IoError(io), _) => match io.kind() {
             io::ErrorKind::UnexpectedEof => ("it ends too early".to_owned(), whole.to_owned()),
+            io::ErrorKind::NotFound => {
+                ("there is no such file".to_owned(), "check the path".to_owned())
+            }
             io::ErrorKind::PermissionDenied => (io.to_string(), "check who owns it".to_owned()),
             _ => (io.to_string(), whole.to_owned()),
         },
