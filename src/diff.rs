@@ -37,7 +37,7 @@ pub(crate) struct DiffArgs {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write an image of the difference (.ppm, .png, .exr or .pfm)
+    /// Write an image of the difference (.png, .jpg, .ppm, .exr or .pfm)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     /// What that image shows; all but the first in false colours

@@ -1,6 +1,6 @@
 //! Input options of a file: image size, camera, lights.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use bytesize::ByteSize;
@@ -18,7 +18,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
-use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
+use wavecrest_scene::load::lighting::{Background, Lighting, Rig, screen_color};
 use wavecrest_scene::load::{
     FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load,
 };
@@ -81,7 +81,13 @@ pub(crate) struct InputOptions {
     /// Lights of a mesh, or of a glTF file in place of its own [default: studio where it has none]
     #[arg(long, help_heading = VIEW, value_name = "RIG", value_parser = choice::<Rig>())]
     pub(crate) lights: Option<Rig>,
-    /// Background: a colour in sRGB such as #ffffff, or transparent
+    /// Colour of a mesh alone where it has no material: three numbers from 0 to 1, or #rrggbb; in sRGB
+    #[arg(long, help_heading = VIEW, value_name = "R,G,B", value_parser = screen_color)]
+    pub(crate) color: Option<DVec3>,
+    /// Image around a mesh alone, by longitude and latitude, which lights it in place of other lights
+    #[arg(long, help_heading = VIEW, value_name = "FILE", conflicts_with = "lights")]
+    pub(crate) environment: Option<PathBuf>,
+    /// Background: a colour in sRGB, such as 1,1,1 or #ffffff, or transparent
     #[arg(long, help_heading = IMAGE, value_name = "COLOR", hide_possible_values = true,
           value_parser = with_names(&["transparent"], <Background as FromStr>::from_str))]
     pub(crate) background: Option<Background>,
@@ -117,6 +123,8 @@ impl InputOptions {
             allow_outside,
             framing: Framing { side, up, fov, fit, turntable },
             lighting,
+            color: self.color,
+            environment: self.environment.clone(),
             like_meshes: false,
         }
     }
@@ -126,8 +134,23 @@ impl InputOptions {
     /// # Errors
     /// If there is one, or the file has an unknown format.
     pub(crate) fn check(&self, file: &Path) -> Result<()> {
-        let Self { lights, crease, .. } = self;
+        let Self { lights, crease, color, environment, .. } = self;
         let (option, remedy) = match FileFormat::of(file)? {
+            FileFormat::Scene | FileFormat::Gltf if color.is_some() => {
+                ("--color", "leave it out, and change the colours of its materials")
+            }
+            FileFormat::Scene if environment.is_some() => {
+                ("--environment", "leave it out, and set \"environment\" in the scene")
+            }
+            FileFormat::Gltf if environment.is_some() => {
+                ("--environment", "convert the file, and set \"environment\" in the scene")
+            }
+            FileFormat::Mesh
+                if environment.is_some()
+                    && matches!(self.background, Some(Background::Color(_))) =>
+            {
+                ("--background", "leave it out: the environment is seen")
+            }
             FileFormat::Scene if lights.is_some() => {
                 ("--lights", "leave it out, and change \"lightsources\" in the scene")
             }

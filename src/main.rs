@@ -70,10 +70,11 @@ fn main() -> ExitCode {
     };
     let matches = match program().try_get_matches_from(&arguments) {
         Ok(matches) => matches,
-        Err(error) => match other_name(&error, arguments.get(1)) {
-            Some(error) => return failed(&error),
-            None => error.exit(),
-        },
+        Err(error) => {
+            let command = arguments.get(1);
+            let known = other_name(&error, command).or_else(|| no_output(&error, command));
+            return known.map_or_else(|| error.exit(), |error| failed(&error));
+        }
     };
     let command = Command::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     match dispatch(&command) {
@@ -111,7 +112,7 @@ fn program() -> clap::Command {
 }
 
 /// What other renderers, or older versions, call an option, and what it is here.
-const OTHER_NAMES: [(&str, &[&str]); 12] = [
+const OTHER_NAMES: [(&str, &[&str]); 14] = [
     ("--samples N", &["--spp", "--sample", "--samples-per-pixel", "--aa", "--antialias"]),
     ("--size WIDTHxHEIGHT", &["--resolution", "--res", "--dimensions", "--image-size"]),
     ("--width PIXELS", &["-w", "-W"]),
@@ -119,7 +120,9 @@ const OTHER_NAMES: [(&str, &[&str]); 12] = [
     ("--threads N", &["--jobs", "--cores", "--num-threads", "--nthreads", "--cpus", "-j", "-t"]),
     ("--output FILE", &["--out", "--outfile", "--output-file"]),
     ("--crop X,Y,WIDTH,HEIGHT", &["--region", "--window", "--crop-window"]),
-    ("--background COLOR", &["--bg", "--background-color"]),
+    ("--background COLOR", &["--bg", "--bg-color", "--background-color"]),
+    ("--color R,G,B", &["--colour", "--base-color"]),
+    ("--environment FILE", &["--hdri", "--hdri-file", "--envmap", "--env"]),
     ("--progress json", &["--verbose", "-v"]),
     ("--view SIDE, once for each side", &["--sheet"]),
     ("--metadata none", &["--no-metadata"]),
@@ -137,6 +140,17 @@ fn other_name(error: &clap::Error, command: Option<&OsString>) -> Option<Error> 
     options.find(|option| option.get_long() == Some(name))?;
     let message = format!("there is no {given}");
     Some(Error::new(ErrorKind::Usage, message).remedy(format!("use {usage}")))
+}
+
+/// The error that a render has no output, and all else.
+fn no_output(error: &clap::Error, command: Option<&OsString>) -> Option<Error> {
+    let ContextValue::Strings(missing) = error.get(ContextKind::InvalidArg)? else { return None };
+    if command? != "render" || missing[..] != ["<OUTPUT>"] {
+        return None;
+    }
+    let look = if cfg!(feature = "view") { ", or `wavecrest view FILE`" } else { "" };
+    let error = Error::new(ErrorKind::Usage, "the output is missing");
+    Some(error.remedy(format!("add one, such as out.png{look}")))
 }
 
 /// The arguments, with `render` inserted if they name no command.

@@ -18,7 +18,7 @@ pub(crate) struct MergeArgs {
     /// Parts, in any order
     #[arg(value_name = "PART", required = true)]
     pub(crate) parts: Vec<PathBuf>,
-    /// Image to write: .png, .ppm, .exr or .pfm
+    /// Image to write: .png, .jpg, .ppm, .exr or .pfm
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: PathBuf,
     /// Transfer function of 8-bit images (.ppm, .png) [default: that of the render]

@@ -26,7 +26,7 @@ impl Metadata {
     /// Whether an image in this file gets metadata.
     pub(super) fn is_stored_in(self, file: &Path) -> bool {
         match (self, Format::from_path(file)) {
-            (Self::None, _) | (_, Ok(Format::Pfm)) => false,
+            (Self::None, _) | (_, Ok(Format::Pfm | Format::Jpg)) => false,
             (_, Ok(Format::Ppm)) => self == Self::Full,
             // Animations too.
             (_, Ok(Format::Png | Format::Exr) | Err(_)) => true,

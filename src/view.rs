@@ -143,8 +143,13 @@ fn open(url: &str) -> io::Result<()> {
 }
 
 /// Options that change the meshes of a file, and that change the image of a scene file, with whether each has a value.
-const OF_MESHES: [(&str, bool); 3] =
-    [("--camera", true), ("--crease", true), ("--allow-outside", false)];
+const OF_MESHES: [(&str, bool); 5] = [
+    ("--camera", true),
+    ("--crease", true),
+    ("--color", true),
+    ("--environment", true),
+    ("--allow-outside", false),
+];
 const OF_IMAGE: [(&str, bool); 2] = [("--background", true), ("--seed", true)];
 
 /// Those of the `options` that the words of a command give, as they give them.

@@ -91,8 +91,8 @@ def render(
 
 
 def save(path, image, *, transfer=None):
-    """Writes an image returned by render to a .png, .ppm, .exr or .pfm file; with alpha to a .png, whose colours are not
-    multiplied by it, or an .exr, whose colours are.
+    """Writes an image returned by render to a .png, .jpg, .ppm, .exr or .pfm file; with alpha to a .png, whose colours are
+    not multiplied by it, or an .exr, whose colours are.
 
     8-bit formats use the transfer curve "srgb" (default) or "linear"; .exr and .pfm are always linear. An image of
     uint8 has been through that curve: its values are stored as they are in 8-bit formats.

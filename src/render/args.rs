@@ -32,7 +32,7 @@ use wavecrest_image::write::{Develop, Transfer};
 pub(crate) struct RenderArgs {
     /// Scene (.json), glTF file (.gltf, .glb) or mesh (.ply, .obj, .stl)
     pub(crate) scene: PathBuf,
-    /// Image to write: .png, .ppm, .exr or .pfm; - writes a PNG to standard output; with --turntable also .gif; with
+    /// Image to write: .png, .jpg, .ppm, .exr or .pfm; - writes a PNG to standard output; with --turntable also .gif; with
     /// --shard a .part file
     #[arg(value_name = "OUTPUT", required_unless_present = "output")]
     pub(crate) image: Option<PathBuf>,
@@ -45,7 +45,7 @@ pub(crate) struct RenderArgs {
     /// Which scene this is of how many
     #[arg(skip)]
     pub(crate) number: Option<[u64; 2]>,
-    /// Transfer function of 8-bit images (.ppm, .png) [default: that of the scene; srgb for glTF files
+    /// Transfer function of 8-bit images (.png, .jpg, .ppm) [default: that of the scene; srgb for glTF files
     /// and meshes]
     #[arg(long, help_heading = IMAGE, value_parser = choice::<Transfer>())]
     pub(crate) transfer: Option<Transfer>,

@@ -16,6 +16,9 @@ mod outside;
 // Far from the origin.
 mod far;
 
+// Meshes at rest: skins and morph targets.
+mod pose;
+
 // Which lights count, and what replaces them.
 mod studio;
 

@@ -3,4 +3,5 @@
 mod animation;
 mod openexr;
 mod read;
+mod strangers;
 mod write;

@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
+use exr::prelude::read_first_rgba_layer_from_file;
+
 use wavecrest_core::film::Film;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::srgb::srgb_encode;
@@ -10,7 +12,8 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_image::aov::{Layer, Request, layers};
 use wavecrest_image::look::Look;
 use wavecrest_image::metadata::Values;
-use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
+use wavecrest_image::write::{Transfer, write};
+use wavecrest_scene::load::lighting::{Background, Lighting, Rig, screen_color};
 use wavecrest_scene::load::{LoadOptions, load, load_str};
 use wavecrest_scene::systems::SceneOptions;
 
@@ -45,11 +48,16 @@ fn lit(lighting: Lighting) -> PreparedScene {
 
 /// The same, prepared by these options.
 fn lit_by(lighting: Lighting, by: SceneOptions) -> PreparedScene {
+    shown(LoadOptions { lighting, ..LoadOptions::default() }, by)
+}
+
+/// The ball with these options.
+fn shown(options: LoadOptions, by: SceneOptions) -> PreparedScene {
     let folder = folder();
     let path = folder.path().join("ball.obj");
     ball(&path, 24);
     let (width, height) = (Some(96), Some(72));
-    let options = LoadOptions { width, height, lighting, ..LoadOptions::default() };
+    let options = LoadOptions { width, height, ..options };
     ready_by(load(&path, &options), by)
 }
 
@@ -136,6 +144,53 @@ fn other_lights_leave_the_ground_out_and_none_shows_colours_as_they_are() {
 }
 
 #[test]
+fn a_mesh_alone_has_the_colour_that_is_asked_for() {
+    let lighting = Lighting { rig: Rig::None, ..Lighting::default() };
+    for (text, right) in [("1,0,0.5", [1.0, 0.0, 0.214_041_14]), ("#ff0000", [1.0, 0.0, 0.0])] {
+        let color = Some(screen_color(text).expect("a colour"));
+        let options = LoadOptions { color, lighting, ..LoadOptions::default() };
+        let found =
+            image_of(&shown(options, SceneOptions::default()), 0).pixel(48, 36).expect("a pixel");
+        assert!(found.iter().zip(right).all(|(a, b)| (a - b).abs() < 1e-6), "{text}: {found:?}");
+    }
+    for wrong in ["1,0", "1,0,0,0", "2,0,0", "-0.1,0,0", "nan,0,0", "#ff000", "#+f+f+f", "red", ""]
+    {
+        assert!(screen_color(wrong).is_err(), "{wrong}");
+    }
+}
+
+/// An even one: it is seen behind the ball, and lights it from all sides alike. Bytes are encoded.
+#[test]
+fn an_image_around_a_mesh_alone_is_all_its_light() {
+    let folder = folder();
+    let around = |name: &str, color: [f32; 3], background| {
+        let film = Film::from_pixels(2, 1, vec![color; 2]).expect("a film");
+        let path = folder.path().join(name);
+        write(&film, &path, Transfer::Srgb).expect("a file");
+        let lighting = Lighting { background, ..Lighting::default() };
+        let environment = Some(path);
+        let scene = shown(
+            LoadOptions { environment, lighting, ..LoadOptions::default() },
+            SceneOptions::default(),
+        );
+        assert_eq!(scene.appearance.shapes.len(), 1, "there is no ground");
+        let film = image_of(&scene, 0);
+        [(0, 0), (48, 36)].map(|(x, y)| film.pixel(x, y).expect("a pixel"))
+    };
+    let near = |found: [f32; 3], right: [f32; 3]| {
+        found.iter().zip(right).all(|(found, right)| (found - right).abs() <= 0.01 * right)
+    };
+    for (name, color) in [("a.exr", [3.0, 1.0, 0.5]), ("a.png", [1.0, 0.5, 0.25])] {
+        let [behind, ball] = around(name, color, None);
+        assert!(near(behind, color), "{name}: {behind:?}");
+        assert!(near(ball, color.map(|value| 0.7 * value)), "{name}: {ball:?}");
+    }
+    let [behind, ball] = around("a.exr", [3.0, 1.0, 0.5], Some(Background::Transparent));
+    assert_eq!(behind, [0.0; 3]);
+    assert!(near(ball, [2.1, 0.7, 0.35]), "{ball:?}");
+}
+
+#[test]
 fn a_mesh_without_normals_is_smooth_up_to_the_angle_of_a_crease() {
     let smooth = |crease_degrees| {
         let scene = lit(Lighting { crease_degrees, ..Lighting::default() });
@@ -150,8 +205,15 @@ fn what_no_ray_hits_is_transparent() {
     ball(&folder.path().join("ball.obj"), 24);
     let arguments = ["ball.obj", "a.png", "--also", "a.exr", "--background", "transparent"];
     run_well(folder.path(), &[&arguments[..], &["--width", "40", "--height", "30"]].concat());
-    let read = |name: &str| image::open(folder.path().join(name)).expect(name);
-    let (png, exr) = (read("a.png").into_rgba8(), read("a.exr").into_rgba32f());
+    let png = image::open(folder.path().join("a.png")).expect("a PNG").into_rgba8();
+    let exr = read_first_rgba_layer_from_file(
+        folder.path().join("a.exr"),
+        |size, _| image::Rgba32FImage::new(size.width() as u32, size.height() as u32),
+        |image, at, (r, g, b, a): (f32, f32, f32, f32)| {
+            image.put_pixel(at.x() as u32, at.y() as u32, image::Rgba([r, g, b, a]));
+        },
+    );
+    let exr = exr.expect("an EXR").layer_data.channel_data.pixels;
     assert_eq!((png.get_pixel(0, 0).0, exr.get_pixel(0, 0).0), ([0; 4], [0.0; 4]));
     assert_eq!((png.get_pixel(20, 15).0[3], exr.get_pixel(20, 15).0[3]), (255, 1.0));
     let edge = exr.enumerate_pixels().find(|(.., pixel)| pixel.0[3] == 0.5).expect("half a pixel");

@@ -1,13 +1,19 @@
-//! Decoders of image files, in the formats of the `image` crate.
+//! Decoders of image files: of the `image` crate, but for the colours of [`exr`] and the headers of
+//! [`radiance`].
 //!
 //! A file's header is not trusted: the sizes in it are checked against limits and against the length
 //! of the file before anything is allocated, and a decoder that panics ends in an error.
 
+mod exr;
+mod radiance;
+
 use std::cell::Cell;
+use std::fmt;
 use std::io::{self, BufRead, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+use image::error::{DecodingError, ImageFormatHint};
 use image::{ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult, Limits};
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -28,6 +34,27 @@ const MAX_METADATA: u64 = 8 << 20;
 
 /// The first bytes of a KTX2 file, which glTF files may have.
 const KTX2: &[u8] = b"\xABKTX 20\xBB";
+
+/// What is wrong with a file, and what helps.
+#[derive(Debug)]
+struct Fault {
+    message: String,
+    remedy: String,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Fault {}
+
+impl From<Fault> for ImageError {
+    fn from(fault: Fault) -> Self {
+        Self::Decoding(DecodingError::new(ImageFormatHint::Unknown, fault))
+    }
+}
 
 /// The content of an image file. Decoders read it as such, so that each is compiled once.
 pub trait Content: BufRead + Seek {}
@@ -62,25 +89,32 @@ pub fn decode<'a, R>(
 
 /// The decoder of the format of the first bytes, or else of the extension.
 fn decoder<'a>(
-    content: Box<dyn Content + 'a>,
+    mut content: Box<dyn Content + 'a>,
     path: Option<&Path>,
 ) -> ImageResult<Box<dyn ImageDecoder + 'a>> {
-    let mut reader = ImageReader::new(content);
-    if let Some(format) = path.and_then(|path| ImageFormat::from_path(path).ok()) {
-        reader.set_format(format);
-    }
-    let mut reader = reader.with_guessed_format()?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    // These limits apply only to the headers of PNG files; decoding uses those below.
-    limits.max_alloc = Some(MAX_METADATA);
-    reader.limits(limits.clone());
-    let mut decoder = reader.into_decoder()?;
+    let start = content.fill_buf()?;
+    let mut decoder: Box<dyn ImageDecoder + 'a> = if start.starts_with(exr::MAGIC) {
+        Box::new(exr::Exr::new(content)?)
+    } else if start.starts_with(radiance::MAGIC) {
+        Box::new(radiance::Radiance::new(content)?)
+    } else {
+        let mut reader = ImageReader::new(content);
+        if let Some(format) = path.and_then(|path| ImageFormat::from_path(path).ok()) {
+            reader.set_format(format);
+        }
+        let mut reader = reader.with_guessed_format()?;
+        // These limits apply only to the headers of PNG files; decoding uses those below.
+        limits.max_alloc = Some(MAX_METADATA);
+        reader.limits(limits.clone());
+        Box::new(reader.into_decoder()?)
+    };
     limits.max_alloc = Some(MAX_BYTES);
     limits.reserve(decoder.total_bytes())?;
     decoder.set_limits(limits)?;
-    Ok(Box::new(decoder))
+    Ok(decoder)
 }
 
 /// Checks the size in a header against limits, and against the `length` of the file.
@@ -109,14 +143,31 @@ fn check(what: &str, decoder: &dyn ImageDecoder, length: u64) -> Result<()> {
 }
 
 fn cannot_read(what: &str, error: ImageError, is_packed: bool) -> Error {
-    let remedy = match &error {
-        ImageError::Limits(_) => {
-            format!("use at most {MAX_SIDE} pixels on a side and {MAX_BYTES} bytes")
+    let whole = "check that the file is whole and is an image";
+    let source = std::error::Error::source(&error);
+    let fault = source.and_then(|source| source.downcast_ref::<Fault>());
+    let (message, remedy) = match (&error, fault) {
+        (_, Some(fault)) => (fault.to_string(), fault.remedy.clone()),
+        (ImageError::Limits(_), _) => {
+            let remedy = format!("use at most {MAX_SIDE} pixels on a side and {MAX_BYTES} bytes");
+            (error.to_string(), remedy)
         }
-        _ if is_packed => "unpack it: gltf-transform ktxdecompress IN OUT".to_owned(),
-        ImageError::Unsupported(_) => "use PNG, EXR or another common format".to_owned(),
-        _ => "check that the file is whole and is an image".to_owned(),
+        _ if is_packed => {
+            (error.to_string(), "unpack it: gltf-transform ktxdecompress IN OUT".to_owned())
+        }
+        (ImageError::Unsupported(_), _) => {
+            (error.to_string(), "use PNG, EXR or another common format".to_owned())
+        }
+        (ImageError::IoError(io), _) => match io.kind() {
+            io::ErrorKind::UnexpectedEof => ("it ends too early".to_owned(), whole.to_owned()),
+            io::ErrorKind::NotFound => {
+                ("there is no such file".to_owned(), "check the path".to_owned())
+            }
+            io::ErrorKind::PermissionDenied => (io.to_string(), "check who owns it".to_owned()),
+            _ => (io.to_string(), whole.to_owned()),
+        },
+        _ => (error.to_string(), whole.to_owned()),
     };
-    let message = format!("cannot read {what}: {error}");
+    let message = format!("cannot read {what}: {message}");
     Error::new(ErrorKind::Texture, message).remedy(remedy).because(error)
 }

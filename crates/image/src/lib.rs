@@ -1,7 +1,7 @@
 //! Images: writing and reading, comparison, layers, and renders in parts.
 //!
 //! * [`metadata`]: how an image was made, and further channels of a file.
-//! * [`mod@write`]: writes a film as a PPM, PNG, EXR or PFM file, atomically.
+//! * [`mod@write`]: writes a film as a PPM, PNG, JPEG, EXR or PFM file, atomically.
 //! * [`decoder`]: decoders of image files, whose headers are not trusted.
 //! * [`mod@read`]: reads an image as a film.
 //! * [`mod@compare`]: differences between two films, as numbers.

@@ -75,6 +75,13 @@ impl Declared for Environment {
 }
 
 impl Environment {
+    /// An image alone, with its upper edge in the direction `up`.
+    pub(crate) fn of_image(image: TextureRef, up: DVec3, hidden: bool) -> Self {
+        let [zenith, horizon, nadir] = [DVec3::ONE; 3];
+        let around = Surroundings { zenith, horizon, nadir, intensity: 1.0, up, turn: 0.0 };
+        Self { around, image: Some(image), hidden }
+    }
+
     /// Whether it adds anything.
     pub(crate) fn is_bright(&self) -> bool {
         let Surroundings { zenith, horizon, nadir, intensity, .. } = self.around;

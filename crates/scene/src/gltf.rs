@@ -6,7 +6,8 @@
 //! crate's typed model, so that every error has its file, path, value and remedy. Every index and
 //! every range of bytes is checked before it is used.
 //!
-//! A mesh that several nodes use is stored once: as a hidden shape with an instance for each node.
+//! A mesh that several nodes use is stored once for each pose: as a hidden shape with an instance for
+//! each node. [`pose`] states where vertices are at rest.
 //! A mesh that emits light is an area light, with a copy for each node. [`material`] and [`light`]
 //! state how materials and units are converted; [`staging`](super::staging) adds a camera and
 //! lights to files without them.
@@ -21,6 +22,7 @@ mod light;
 mod material;
 mod mesh;
 mod node;
+mod pose;
 mod primitive;
 mod scene;
 mod spawn;

@@ -1,6 +1,8 @@
 //! Options for loading a scene.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
 
 use super::format::Notes;
 use framing::Framing;
@@ -31,6 +33,10 @@ pub struct LoadOptions {
     pub framing: Framing,
     /// Lighting of files without lights.
     pub lighting: Lighting,
+    /// The linear colour of a standalone mesh where it has no material.
+    pub color: Option<DVec3>,
+    /// An image by longitude and latitude around a standalone mesh, which lights it in place of other lights.
+    pub environment: Option<PathBuf>,
     /// Whether a glTF file stands for meshes of another program, which are shown like those of mesh files: the up axis is
     /// guessed, vertex colours have the sRGB curve, edges are smoothed by their angle, and a surface without a material
     /// has the usual one of meshes, whose opacity is the alpha of its vertices.

@@ -28,7 +28,7 @@ use wavecrest_base::parallel;
 
 pub(crate) use camera::{Framed, framed, view};
 use grid::Grid;
-pub(crate) use light::{MOST_LAMPS, allow_for_surfaces, light, settings};
+pub(crate) use light::{MOST_LAMPS, allow_for_surfaces, light, settings, surround};
 pub(crate) use upward::Upward;
 
 /// The material of meshes without one: a light grey with a faint highlight.

@@ -7,6 +7,7 @@ use wavecrest_base::error::Result;
 use wavecrest_scene::load::LoadedScene;
 use wavecrest_scene::systems;
 
+use super::pose::{morphed, skinned};
 use super::{File, SQUARE, SQUARE_UVS, load_bytes, loaded, small, square};
 use crate::support::{edited, folder, put, ready};
 use crate::transcript;
@@ -51,8 +52,9 @@ fn stocked() -> File {
     file
 }
 
-/// `square` and `stocked` are edited as the lines say; `byte` changes some of the square as a binary file, `content` is all
-/// that a file has, `buffer` names what the square's buffer is, and `image` asks what is said of the square's image too.
+/// `square`, `skinned`, `morphed` and `stocked` are edited as the lines say; `byte` changes some of the
+/// square as a binary file, `content` is all that a file has, `buffer` names what the square's buffer is,
+/// and `image` asks what is said of the square's image too.
 #[test]
 fn files_that_are_wrong_are_told_with_the_places() {
     let folder = folder();
@@ -62,6 +64,8 @@ fn files_that_are_wrong_are_told_with_the_places() {
     let of = |file: File, changes: &str| File { json: edited(file.json, changes), ..file };
     transcript::check("gltf", |input, more| match input.split(' ').collect::<Vec<_>>()[..] {
         ["square"] => told(loaded(&of(square(), more))),
+        ["skinned"] => told(loaded(&of(skinned(), more))),
+        ["morphed"] => told(loaded(&of(morphed(), more))),
         ["stocked"] => told(loaded(&of(stocked(), more))),
         ["image"] => told_with_the_image(&of(square(), more)),
         ["byte", place, ref values @ ..] => {

@@ -12,7 +12,7 @@ use wavecrest_image::write::{Format, Transfer, write};
 
 use crate::support::folder;
 
-fn read_bytes(name: &str, bytes: &[u8]) -> Result<Film> {
+pub(super) fn read_bytes(name: &str, bytes: &[u8]) -> Result<Film> {
     read_made(name, |path| std::fs::write(path, bytes).expect("a file"))
 }
 
@@ -21,7 +21,7 @@ fn read_image(name: &str, image: &DynamicImage, format: ImageFormat) -> Film {
     made.expect("an image")
 }
 
-fn read_made(name: &str, make: impl FnOnce(&Path)) -> Result<Film> {
+pub(super) fn read_made(name: &str, make: impl FnOnce(&Path)) -> Result<Film> {
     let folder = folder();
     let path = folder.path().join(name);
     make(&path);
@@ -128,10 +128,13 @@ fn damaged_files_never_panic() {
         assert!(!told.contains("the decoder failed"), "{told}");
     };
     let film = Film::from_pixels(9, 7, (0..63).map(|i| [i as f32 / 63.0; 3]).collect()).unwrap();
-    for format in Format::ALL {
+    let written = Format::ALL.map(|format| {
         let path = folder.path().join(format!("a.{}", format.name()));
         write(&film, &path, Transfer::Linear).unwrap();
-        let whole = std::fs::read(&path).unwrap();
+        std::fs::read(&path).unwrap()
+    });
+    let radiance = b"#?RGBE\nEXPOSURE=2\n\n-Y 1 +X 2\n\x01\x02\x03\x80\x01\x02\x03\x80".to_vec();
+    for whole in written.into_iter().chain([radiance]) {
         for cut in (0..whole.len()).step_by(whole.len() / 40 + 1) {
             decode_quietly(&whole[..cut]);
         }

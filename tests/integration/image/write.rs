@@ -46,6 +46,19 @@ fn eight_bit_formats_keep_the_levels() {
 }
 
 #[test]
+fn a_jpeg_is_near_the_levels() {
+    let pixel = |i: u32| [(i / 8) as f32 / 8.0, 0.5, 0.2];
+    let film = Film::from_pixels(8, 8, (0..64).map(pixel).collect()).expect("a film");
+    for name in ["a.jpg", "a.jpeg", "a.JPG"] {
+        let back = written(name, &film, Transfer::Srgb);
+        let (found, right) = (eight_bit(&back, Transfer::Linear), eight_bit(&film, Transfer::Srgb));
+        let far = found.iter().zip(&right).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(far < Some(12), "{far:?}");
+        assert!(Format::from_path(name.as_ref()).is_ok_and(|format| format == Format::Jpg));
+    }
+}
+
+#[test]
 fn what_is_said_of_an_image_changes_no_pixel() {
     let folder = folder();
     let entry = |name, text: &str| Entry { name, text: text.to_owned() };

@@ -9,6 +9,7 @@ use super::fields::{Fields, LIGHTS};
 use super::light::Light;
 use super::material::{GLOSS, MaterialElement};
 use super::node::{self, Node, PlacedNode};
+use super::pose::Skin;
 use super::primitive::MeshParts;
 use super::texture::{BASIS, Textures, WEBP};
 
@@ -40,6 +41,7 @@ pub(super) struct Document {
     /// `None` for lights of an unknown type.
     pub(super) lights: Vec<Option<Light>>,
     pub(super) nodes: Vec<Node>,
+    pub(super) skins: Vec<Skin>,
     /// The nodes of the scene.
     pub(super) placed: Vec<PlacedNode>,
     /// Whether attributes may be integers: the extension `KHR_mesh_quantization`.
@@ -68,6 +70,9 @@ impl Document {
         });
         let storage = storage?;
         let (placed, nodes) = tree?;
+        let mut worlds = vec![None; nodes.len()];
+        placed.iter().for_each(|place| worlds[place.node] = Some(place.world));
+        let skins = top.list("skins", "a skin", |f| Skin::read(f, &storage, &worlds));
         Ok(Self {
             is_quantized: extensions.iter().any(|name| name == "KHR_mesh_quantization"),
             storage,
@@ -78,6 +83,7 @@ impl Document {
             cameras: cameras?,
             lights: lights?.unwrap_or_default(),
             nodes,
+            skins: skins?,
             placed,
         })
     }
@@ -130,8 +136,8 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
 
 /// Warns of unsupported parts of the file as a whole.
 pub(super) fn remark(top: &Fields<'_>) {
-    if let Some(key) = ["animations", "skins"].into_iter().find(|key| top.length(key) > 0) {
+    if top.length("animations") > 0 {
         let remedy = "export it in the pose that you want";
-        top.cursor.notes().note(key, "animations and skins are ignored", remedy);
+        top.cursor.notes().note("animations", "animations are ignored", remedy);
     }
 }

@@ -98,6 +98,12 @@ impl<'a> Fields<'a> {
         Ok(self.numbers::<3>(key, range)?.map_or(default, DVec3::from_array))
     }
 
+    /// The weights of morph targets, if they are there.
+    pub(super) fn weights(&self) -> Result<Option<Vec<f64>>> {
+        let number = |item: Cursor<'_>| item.number(Range::COORDINATE);
+        self.get("weights").map(|cursor| cursor.each("a list of numbers", number)).transpose()
+    }
+
     /// A count, if it is there.
     pub(super) fn count(&self, key: &str) -> Result<Option<u64>> {
         self.get(key).map(|cursor| count(&cursor)).transpose()

@@ -9,13 +9,14 @@ use wavecrest_base::shared::Shared;
 
 use super::accessor::{Accessor, is_index};
 use super::document::Document;
+use super::pose::Pose;
 use super::primitive::{COLORS, Mode, Primitive};
 use super::texture::coordinates;
 
 /// Reads primitives, and counts the bytes read.
 pub(super) struct PrimitiveReader<'a> {
-    document: &'a Document,
-    notes: &'a Notes<'a>,
+    pub(super) document: &'a Document,
+    pub(super) notes: &'a Notes<'a>,
     /// Bytes that may still be read. Accessors may share bytes: without a limit, a small file could
     /// use the same ones any number of times.
     left: u64,
@@ -28,20 +29,28 @@ const READ_ANYHOW: u64 = 1 << 26;
 const READ_AGAIN: u64 = 64;
 
 /// The vertices of a primitive.
-struct Vertices<'p> {
-    of: &'p Primitive,
+pub(super) struct Vertices<'p> {
+    pub(super) of: &'p Primitive,
     count: usize,
     /// Those at corners, if most are at none.
     used: Option<Vec<u32>>,
 }
 
-/// The types of an attribute's numbers, and whether they are normalised.
-type Types = [(Scalar, bool)];
+impl Vertices<'_> {
+    /// The number in the file of the vertex read as number `i`.
+    pub(super) fn number(&self, i: usize) -> usize {
+        self.used.as_ref().map_or(i, |used| used[i] as usize)
+    }
+}
 
-/// The types of texture coordinates and colours.
-const UNSIGNED: &Types = &[(Scalar::F32, false), (Scalar::U8, true), (Scalar::U16, true)];
+/// The types of an attribute's numbers, and whether they are normalised.
+pub(super) type Types = [(Scalar, bool)];
+
+/// The types of texture coordinates, colours and weights.
+pub(super) const UNSIGNED: &Types =
+    &[(Scalar::F32, false), (Scalar::U8, true), (Scalar::U16, true)];
 /// The types of normals in quantised meshes; the first one of normals and positions in others.
-const SIGNED: &Types = &[(Scalar::F32, false), (Scalar::I8, true), (Scalar::I16, true)];
+pub(super) const SIGNED: &Types = &[(Scalar::F32, false), (Scalar::I8, true), (Scalar::I16, true)];
 
 impl<'a> PrimitiveReader<'a> {
     /// Reads primitives of a file.
@@ -50,11 +59,12 @@ impl<'a> PrimitiveReader<'a> {
         Self { document, notes, left: READ_ANYHOW.saturating_add(again) }
     }
 
-    /// The arrays of a primitive, with a set of texture coordinates if a texture uses it, and the alphas
-    /// of vertices if the material does. `None` for primitives without triangles.
+    /// The arrays of a primitive in a pose, with a set of texture coordinates if a texture uses it, and
+    /// the alphas of vertices if the material does. `None` for primitives without triangles.
     pub(super) fn mesh(
         &mut self,
         primitive: &Primitive,
+        pose: &Pose,
         set: Option<u32>,
         uses_alpha: bool,
     ) -> Result<Option<MeshData>> {
@@ -80,7 +90,7 @@ impl<'a> PrimitiveReader<'a> {
         let colors = self.colors(&vertices)?;
         let alphas = if uses_alpha { self.alphas(&vertices)? } else { None };
         let origin = DVec3::ZERO;
-        Ok(Some(MeshData {
+        let mut mesh = MeshData {
             positions: positions.into(),
             origin,
             triangles: triangles.into(),
@@ -88,7 +98,9 @@ impl<'a> PrimitiveReader<'a> {
             uvs,
             colors: colors.map(Shared::from),
             alphas: alphas.map(Shared::from),
-        }))
+        };
+        self.posed(&vertices, pose, &mut mesh)?;
+        Ok(Some(mesh))
     }
 
     fn accessor(&self, index: usize) -> &'a Accessor {
@@ -141,32 +153,48 @@ impl<'a> PrimitiveReader<'a> {
         Err(error.remedy(format!("the mesh has {count}; check that the file is whole")))
     }
 
-    /// An attribute's elements, with this number of components, one for each used vertex, as `make`
-    /// converts them.
-    fn attribute<T: Clone + Default + Send, const N: usize>(
+    /// An attribute's elements, if the primitive has it.
+    pub(super) fn attribute<T: Clone + Default + Send, const N: usize>(
         &mut self,
-        Vertices { of, count, used }: &Vertices<'_>,
+        vertices: &Vertices<'_>,
         name: &str,
-        (width, types): (usize, &Types),
+        types: (usize, &Types),
         make: impl Fn([f64; N]) -> T + Sync + Send,
     ) -> Result<Option<Vec<T>>> {
-        let Some(&index) = of.attributes.get(name) else { return Ok(None) };
+        let Some(&index) = vertices.of.attributes.get(name) else { return Ok(None) };
+        let place = format!("{}.attributes.{name}", vertices.of.path);
+        self.elements(vertices, index, &place, types, make).map(Some)
+    }
+
+    /// The elements of the accessor that is named at `place`, with this number of components, one for
+    /// each used vertex, as `make` converts them.
+    pub(super) fn elements<T: Clone + Default + Send, const N: usize>(
+        &mut self,
+        Vertices { of, count, used }: &Vertices<'_>,
+        index: usize,
+        place: &str,
+        (width, types): (usize, &Types),
+        make: impl Fn([f64; N]) -> T + Sync + Send,
+    ) -> Result<Vec<T>> {
         let accessor = self.accessor(index);
-        let place = format!("{}.attributes.{name}", of.path);
+        let has_floats = types.contains(&(Scalar::F32, false));
         let is_known = types.contains(&(accessor.component, accessor.normalized))
-            || self.document.is_quantized && accessor.component != Scalar::U32;
+            || self.document.is_quantized && has_floats && accessor.component != Scalar::U32;
         if accessor.width != width || !is_known {
-            let types =
-                if types.len() > 1 { "of floats or of normalized integers" } else { "of floats" };
-            let error = self.error(&place, &format!("must be VEC{width} {types}"));
+            let types = match (has_floats, types.len()) {
+                (false, _) => "of integers of 8 or 16 bits, not negative",
+                (true, 1) => "of floats",
+                (true, _) => "of floats or of normalized integers",
+            };
+            let error = self.error(place, &format!("must be VEC{width} {types}"));
             return Err(error.value(format!("accessors[{index}]")).remedy("export the file again"));
         }
         if accessor.count != *count {
             let message = format!("must have as many elements as POSITION, {count}");
-            return Err(self.error(&place, &message).value(accessor.count));
+            return Err(self.error(place, &message).value(accessor.count));
         }
         self.pay(of, accessor, used.as_ref().map_or(*count, Vec::len))?;
-        Ok(Some(self.document.storage.elements(index).each(used.as_deref(), make)))
+        Ok(self.document.storage.elements(index).each(used.as_deref(), make))
     }
 
     fn positions(&mut self, vertices: &Vertices<'_>) -> Result<Vec<Vec3>> {
@@ -174,10 +202,16 @@ impl<'a> PrimitiveReader<'a> {
             DVec3::from_array(p).as_vec3()
         })?;
         let points = points.unwrap_or_default();
+        self.check_positions(vertices, &points)?;
+        Ok(points)
+    }
+
+    /// Checks that all vertices are where they may be.
+    pub(super) fn check_positions(&self, vertices: &Vertices<'_>, points: &[Vec3]) -> Result<()> {
         let Some(bad) = points.iter().position(|p| !is_good_position(*p)) else {
-            return Ok(points);
+            return Ok(());
         };
-        let number = vertices.used.as_ref().map_or(bad, |used| used[bad] as usize);
+        let number = vertices.number(bad);
         let place = format!("{}.attributes.POSITION[{number}]", vertices.of.path);
         Err(bad_position(points[bad]).in_file(self.notes.file()).at(place))
     }
@@ -230,7 +264,7 @@ impl<'a> PrimitiveReader<'a> {
         Ok(alphas.filter(|alphas| alphas.iter().any(|&alpha| alpha < 1.0)))
     }
 
-    fn error(&self, place: &str, message: &str) -> Error {
+    pub(super) fn error(&self, place: &str, message: &str) -> Error {
         self.notes.error(ErrorKind::Mesh, place, message)
     }
 }

@@ -19,6 +19,10 @@ use super::fields::{Fields, LIGHTS};
 pub(super) struct Node {
     pub(super) name: Option<String>,
     pub(super) mesh: Option<usize>,
+    /// What moves the vertices of its mesh.
+    pub(super) skin: Option<usize>,
+    /// The weights of its mesh's morph targets, in place of the mesh's.
+    pub(super) weights: Option<Vec<f64>>,
     pub(super) camera: Option<usize>,
     pub(super) light: Option<usize>,
     /// Where it shows its mesh, if not only at its own place.
@@ -35,6 +39,8 @@ impl Node {
         Ok(Self {
             name: fields.name()?,
             mesh: fields.index("mesh", "meshes")?,
+            skin: fields.index("skin", "skins")?,
+            weights: fields.weights()?,
             camera: fields.index("camera", "cameras")?,
             light: light?,
             instancing: Instancing::read(fields, accessors)?,

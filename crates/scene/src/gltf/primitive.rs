@@ -26,6 +26,8 @@ pub(super) struct Primitive {
     pub(super) mode: Option<Mode>,
     /// Accessors by the name of the attribute.
     pub(super) attributes: BTreeMap<String, usize>,
+    /// What each morph target adds, in the same way.
+    pub(super) targets: Vec<BTreeMap<String, usize>>,
     pub(super) indices: Option<usize>,
     /// The index of its material, or `None` for the default one.
     pub(super) material: Option<usize>,
@@ -36,17 +38,19 @@ pub(super) struct Primitive {
 pub(super) struct MeshParts {
     pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
+    /// The weights of its morph targets, for nodes without their own.
+    pub(super) weights: Vec<f64>,
 }
 
 impl MeshParts {
     /// Reads an element of `meshes`.
     pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
-        if fields.get("weights").is_some() {
-            fields.warn("morph targets are ignored", "the base mesh is shown");
-        }
         fields.need("primitives", "a list of objects")?;
-        let name = fields.name()?;
-        Ok(Self { name, primitives: fields.list("primitives", "a primitive", Primitive::read)? })
+        Ok(Self {
+            name: fields.name()?,
+            primitives: fields.list("primitives", "a primitive", Primitive::read)?,
+            weights: fields.weights()?.unwrap_or_default(),
+        })
     }
 }
 
@@ -57,23 +61,25 @@ impl Primitive {
         if mode.is_none() {
             fields.warn("points and lines are left out", "only triangles are read");
         }
-        let own = fields.need_object("attributes", "attributes")?;
-        let mut attributes = BTreeMap::new();
-        for name in own.cursor.value().as_object().into_iter().flat_map(|map| map.keys()) {
-            let accessor = own.need_index(name, "accessors")?;
-            if name.starts_with("COLOR_") && name != COLORS {
-                fields.warn("further vertex colours are ignored", "only COLOR_0 is used");
-            }
-            attributes.insert(name.clone(), accessor);
+        let attributes = accessors(&fields.need_object("attributes", "attributes")?)?;
+        if attributes.keys().any(|name| name.starts_with("COLOR_") && name != COLORS) {
+            fields.warn("further vertex colours are ignored", "only COLOR_0 is used");
         }
         Ok(Self {
             path: fields.path(),
             mode,
             attributes,
+            targets: fields.list("targets", "a morph target", accessors)?,
             indices: fields.index("indices", "accessors")?,
             material: fields.index("material", "materials")?,
         })
     }
+}
+
+/// The accessors of attributes by their names.
+fn accessors(fields: &Fields<'_>) -> Result<BTreeMap<String, usize>> {
+    let names = fields.cursor.value().as_object().into_iter().flat_map(|map| map.keys());
+    names.map(|name| Ok((name.clone(), fields.need_index(name, "accessors")?))).collect()
 }
 
 /// The format's codes of points, of three kinds of lines, and of triangles.

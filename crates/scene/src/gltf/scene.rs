@@ -1,5 +1,6 @@
 //! Converts a document to the values of a scene file.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use glam::DAffine3;
@@ -19,7 +20,8 @@ use super::document::Document;
 use super::light::{self, LightSource};
 use super::material::MaterialElement;
 use super::mesh::PrimitiveReader;
-use super::node::{PlacedNode, flattens};
+use super::node::{Node, PlacedNode, flattens};
+use super::pose::Pose;
 use super::spawn::{NodeUse, Spawned, extent};
 
 /// Makes a scene from a document, and reports the choices made for the user.
@@ -126,22 +128,20 @@ fn told(has_camera: bool, chosen: &str, light: Option<String>, exposure: f64) ->
 /// The primitives that the nodes of the scene show, in the order of the nodes. Errors are recorded.
 fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<Spawned> {
     let mut reader = PrimitiveReader::new(document, notes);
-    // The primitives of each mesh that is read already.
-    let mut known: Vec<Option<Range<usize>>> = vec![None; document.meshes.len()];
+    // The primitives of each mesh that is read already in a pose.
+    let mut known: BTreeMap<(usize, _), Range<usize>> = BTreeMap::new();
     let mut primitives: Vec<Spawned> = Vec::new();
     for PlacedNode { node, world } in &document.placed {
         let Some(mesh) = document.nodes[*node].mesh else { continue };
         let place = format!("nodes[{node}]");
         let places = notes.part(|| places(document, *node, world, &place, notes));
         let Some(places) = places.ok().filter(|places| !places.is_empty()) else { continue };
-        let numbers = match &known[mesh] {
-            Some(numbers) => numbers.clone(),
-            None => {
-                let first = primitives.len();
-                read(document, mesh, &mut reader, notes, &mut primitives);
-                known[mesh].insert(first..primitives.len()).clone()
-            }
-        };
+        let pose = Pose::of(document, *node, mesh);
+        let numbers = known.entry((mesh, pose.key())).or_insert_with(|| {
+            let first = primitives.len();
+            read(document, (mesh, &pose), &mut reader, notes, &mut primitives);
+            first..primitives.len()
+        });
         for (path, world) in places {
             for primitive in &mut primitives[numbers.clone()] {
                 let path = match numbers.len() {
@@ -149,15 +149,17 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<Spawned> {
                     _ => format!("{path}, {}", primitive.path),
                 };
                 let name = document.nodes[*node].name.clone();
+                let world = world * DAffine3::from_translation(primitive.origin);
                 primitive.uses.push(NodeUse { path, name, world });
             }
         }
     }
     // Errors are also reported in meshes that no node of the scene shows.
-    for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
+    let used: BTreeSet<usize> = known.into_keys().map(|(mesh, _)| mesh).collect();
+    for mesh in (0..document.meshes.len()).filter(|mesh| !used.contains(mesh)) {
         let message = "the mesh is not used";
         notes.leave_out(&format!("meshes[{mesh}]"), message, "no node of the scene refers to it");
-        read(document, mesh, &mut reader, notes, &mut Vec::new());
+        read(document, (mesh, &Pose::default()), &mut reader, notes, &mut Vec::new());
     }
     if primitives.is_empty() {
         let (message, remedy) = match is_left_out(document) {
@@ -180,7 +182,15 @@ fn places(
     path: &str,
     notes: &Notes<'_>,
 ) -> Result<Vec<(String, DAffine3)>> {
-    let all = match &document.nodes[node].instancing {
+    let Node { instancing, skin, .. } = &document.nodes[node];
+    if skin.is_some() {
+        if instancing.is_some() {
+            let message = "instances of a mesh with a skin are ignored";
+            notes.note(path, message, "its joints alone place it");
+        }
+        return Ok(vec![(path.to_owned(), DAffine3::IDENTITY)]);
+    }
+    let all = match instancing {
         None => vec![(path.to_owned(), *world)],
         Some(found) => {
             let place = |i| {
@@ -211,10 +221,10 @@ fn is_left_out(document: &Document) -> bool {
     materials.any(|material| document.materials[material].threshold().is_none())
 }
 
-/// Reads the primitives of a mesh, and records their errors.
+/// Reads the primitives of a mesh in a pose, and records their errors.
 fn read(
     document: &Document,
-    mesh: usize,
+    (mesh, pose): (usize, &Pose),
     reader: &mut PrimitiveReader<'_>,
     notes: &Notes<'_>,
     primitives: &mut Vec<Spawned>,
@@ -230,8 +240,8 @@ fn read(
             continue;
         };
         let uses_alpha = threshold > 0.0 || surface.blends;
-        let mesh = notes.part(|| reader.mesh(primitive, set, uses_alpha));
-        let Some(mesh) = mesh.ok().flatten() else { continue };
+        let mesh = notes.part(|| reader.mesh(primitive, pose, set, uses_alpha));
+        let Some(mut mesh) = mesh.ok().flatten() else { continue };
         let has_uvs = mesh.uvs.is_some();
         let texture = texture.filter(|_| has_uvs);
         let is_cut = threshold > 0.0 && (texture.is_some() || mesh.alphas.is_some());
@@ -241,6 +251,10 @@ fn read(
             threshold,
         });
         let mut maps = if has_uvs { maps } else { Maps::default() };
+        if maps.normal.is_some() && primitive.attributes.contains_key("TANGENT") {
+            let message = "the tangents of the file are not used";
+            notes.note(&primitive.path, message, "bake normal maps by the method of MikkTSpace");
+        }
         if maps.metal.is_none() && (texture.is_some() || mesh.colors.is_some()) {
             maps.metal = surface.metal_by_color();
         }
@@ -250,6 +264,7 @@ fn read(
             cutout,
             texture,
             maps,
+            origin: std::mem::take(&mut mesh.origin),
             mesh,
             surface: surface.clone(),
             uses: Vec::new(),

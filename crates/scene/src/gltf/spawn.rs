@@ -20,6 +20,8 @@ pub(super) struct Spawned {
     pub(super) path: String,
     pub(super) name: Option<String>,
     pub(super) mesh: MeshData,
+    /// Where each place of the mesh has its origin.
+    pub(super) origin: DVec3,
     pub(super) surface: MaterialElement,
     pub(super) texture: Option<TextureRef>,
     pub(super) cutout: Option<CutOut>,

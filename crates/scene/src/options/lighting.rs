@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use wavecrest_core::math::srgb::srgb_decode;
 
@@ -42,20 +42,36 @@ impl Background {
 impl FromStr for Background {
     type Err = String;
 
-    /// A colour in sRGB such as `#ff8000`, or `transparent`.
+    /// A colour as of [`screen_color`], or `transparent`.
     fn from_str(text: &str) -> Result<Self, String> {
         if text == "transparent" {
             return Ok(Self::Transparent);
         }
-        let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii());
-        let level = |i: usize| {
-            let level = u8::from_str_radix(digits?.get(2 * i..2 * i + 2)?, 16).ok()?;
-            Some(f64::from(srgb_decode(f32::from(level) / 255.0)))
-        };
-        match (level(0), level(1), level(2)) {
-            (Some(r), Some(g), Some(b)) => Ok(Self::Color(DVec3::new(r, g, b))),
-            _ => Err("use transparent, or six hexadecimal digits such as #ffffff".to_owned()),
+        screen_color(text).map(Self::Color).map_err(|_| format!("use transparent, {COLORS}"))
+    }
+}
+
+/// What colours in sRGB look like.
+const COLORS: &str =
+    "three numbers from 0 to 1, such as 1,0.5,0, or six hexadecimal digits, such as #ff8000";
+
+/// The linear colour of one in sRGB: three numbers from 0 to 1, or `#` and six hexadecimal digits.
+///
+/// # Errors
+/// In words, if it is neither.
+pub fn screen_color(text: &str) -> Result<DVec3, String> {
+    let byte = |digits: &[u8]| u8::from_str_radix(str::from_utf8(digits).ok()?, 16).ok();
+    let number = |word: &str| word.trim().parse().ok().filter(|x| (0.0..=1.0_f32).contains(x));
+    let levels: Option<Vec<f32>> = match text.strip_prefix('#').map(str::as_bytes) {
+        Some(digits) if digits.len() == 6 && digits.iter().all(u8::is_ascii_hexdigit) => {
+            digits.chunks(2).map(|two| Some(f32::from(byte(two)?) / 255.0)).collect()
         }
+        Some(_) => None,
+        None => text.split(',').map(number).collect(),
+    };
+    match levels.as_deref() {
+        Some(&[r, g, b]) => Ok(Vec3::new(r, g, b).map(srgb_decode).as_dvec3()),
+        _ => Err(format!("use {COLORS}")),
     }
 }
 

@@ -13,8 +13,8 @@ use hecs::World;
 use super::camera::Framed;
 use super::{Scenery, ground};
 use crate::components::{
-    AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Maps, Mesh, Order, PointLight,
-    Sampling, Settings, Sky, Transparency,
+    AreaLight, DirectionalLight, Encoding, Environment, Falloff, JsonPath, Maps, Mesh, Order,
+    PointLight, Sampling, Settings, Sky, TextureRef, Transparency,
 };
 use crate::corners::{direction, quad_has_area};
 use crate::mesh::MeshData;
@@ -128,6 +128,23 @@ pub(crate) fn light(
             (under(world, light, framed.up, 0), "a light at the camera and a sky are added")
         }
     }
+}
+
+/// Adds an image around a `world` of a `file`, as its only light. Returns as [`light`].
+pub(crate) fn surround(
+    world: &mut World,
+    framed: &Framed,
+    file: &Path,
+    image: TextureRef,
+    lighting: &Lighting,
+) -> (Settings, &'static str) {
+    let hidden = lighting.background == Some(Background::Transparent);
+    let (samples, sampling) = (SKY_SAMPLES, Sampling::Sobol);
+    let sky = Sky { sky: None, ground: None, up: framed.up, samples, sampling, distance: None };
+    world.spawn((Environment::of_image(image, framed.up, hidden),));
+    world.spawn((sky,));
+    let background = lighting.background.map_or(LIGHT, Background::color);
+    (settings_of(file, background, 0.0), "the environment lights it")
 }
 
 /// The light on a surface with this normal from a sky in the direction `up`.
