@@ -3,8 +3,10 @@
 //! [`server`] talks to pages, [`painter`] has the scene and renders it; between them is the [`exchange`].
 
 mod exchange;
+mod line;
 mod page;
 mod painter;
+mod picture;
 mod ready;
 mod refine;
 mod request;
@@ -12,6 +14,7 @@ mod server;
 mod showing;
 mod steering;
 mod take_away;
+mod talk;
 
 use std::io::{self, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};

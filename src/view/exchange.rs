@@ -9,8 +9,9 @@ use std::time::Duration;
 
 use serde_json::json;
 use tokio::sync::watch;
-use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::tungstenite::Utf8Bytes;
 
+use super::picture::Picture;
 use super::request::Request;
 use wavecrest_base::error::Error;
 use wavecrest_base::{lock, memory, progress};
@@ -89,11 +90,30 @@ impl Kind {
     }
 }
 
+/// A message to pages.
+#[derive(Clone)]
+pub(super) enum Posted {
+    Words(Utf8Bytes),
+    Picture(Arc<Picture>),
+}
+
+impl From<String> for Posted {
+    fn from(words: String) -> Self {
+        Self::Words(words.into())
+    }
+}
+
+impl From<Picture> for Posted {
+    fn from(picture: Picture) -> Self {
+        Self::Picture(Arc::new(picture))
+    }
+}
+
 /// What pages show, and what they may take away.
 #[derive(Clone, Default)]
 pub(super) struct Board {
     /// The last message of each kind, with the number of messages of its kind so far.
-    pub(super) messages: [(u64, Option<Message>); Kind::COUNT],
+    pub(super) messages: [(u64, Option<Posted>); Kind::COUNT],
     /// Where the camera is, once there is a scene, and the points in each pixel of the first half, unless they are those of
     /// the file.
     pub(super) view: Option<(View, Option<Points>)>,
@@ -121,7 +141,7 @@ impl Exchange {
     }
 
     /// Puts a message on the board.
-    pub(super) fn send(&self, kind: Kind, message: impl Into<Message>) {
+    pub(super) fn send(&self, kind: Kind, message: impl Into<Posted>) {
         self.board.send_modify(|board| {
             let (number, last) = &mut board.messages[kind as usize];
             (*number, *last) = (*number + 1, Some(message.into()));

@@ -35,7 +35,7 @@
     socket = new WebSocket(new URL("socket", location.href.replace(/^http/, "ws")));
     socket.binaryType = "arraybuffer";
     socket.onopen = () => { find("ended").hidden = true; };
-    socket.onmessage = ({ data }) => (typeof data === "string" ? receive(JSON.parse(data)) : receiveFrame(data));
+    socket.onmessage = ({ data }) => (typeof data === "string" ? receive(JSON.parse(data)) : receivePart(data));
     socket.onclose = () => {
       find("ended").hidden = false;
       find("stage").hidden = true;
@@ -78,27 +78,50 @@
     wake();
   };
 
-  // The frames of both halves, each in a canvas of its own size, and the difference.
-  const newHalf = () => ({ canvas: make("canvas"), pixels: null, moving: false });
+  // The frames of both halves, each in a canvas of its own size, and the difference. What came as a JPEG has no pixels
+  // that are known: a canvas is not read.
+  const newHalf = () => ({ canvas: make("canvas"), pixels: null, isShown: false, moving: false });
   const halves = [newHalf(), newHalf()];
   const difference = newHalf();
-  let untaken = 0;
-  function put(half, pixels) {
-    half.pixels = pixels;
-    Object.assign(half.canvas, { width: pixels.width, height: pixels.height });
-    half.canvas.getContext("2d").putImageData(pixels, 0, 0);
+  function put(half, drawn) {
+    const isExact = drawn instanceof ImageData;
+    const { width, height } = drawn;
+    Object.assign(half, { pixels: isExact ? drawn : null, isShown: true });
+    Object.assign(half.canvas, { width, height });
+    const context = half.canvas.getContext("2d");
+    if (isExact) context.putImageData(drawn, 0, 0);
+    else context.drawImage(drawn, 0, 0);
   }
-  function receiveFrame(buffer) {
+  // A frame comes in one part, or on a slow line in several. Each is answered: the last once it is drawn, with the time
+  // that this took, from which the server learns what the line passes.
+  const HEAD = 24;
+  const untaken = [];
+  let frame = null;
+  let shownFrames = Promise.resolve();
+  function receivePart(buffer) {
+    const arrived = performance.now();
     const head = new DataView(buffer);
-    const [index, width, height, flags] = [0, 4, 8, 12].map((at) => head.getUint32(at, true));
-    const half = halves[index];
-    const frame = new ImageData(new Uint8ClampedArray(buffer, 16), width, height);
-    put(half, (flags & 2) !== 0 ? frame : laidOver(half.canvas, frame));
+    const [index, width, height, flags, length, from] = [0, 4, 8, 12, 16, 20].map((at) => head.getUint32(at, true));
+    const part = new Uint8ClampedArray(buffer, HEAD);
+    if (from === 0) frame = { half: halves[index], bytes: part.length === length ? part : new Uint8ClampedArray(length) };
+    if (part.length !== length) frame.bytes.set(part, from);
+    if (from + part.length < length) return send({ do: "taken" });
+    const { half, bytes } = frame;
+    // One after the other: a JPEG takes a while.
+    shownFrames = shownFrames.then(() => showFrame(half, bytes, width, height, flags)).catch(() => {}).then(() => {
+      untaken.push(arrived);
+      wake();
+    });
+  }
+  async function showFrame(half, bytes, width, height, flags) {
+    if ((flags & 4) !== 0) put(half, await createImageBitmap(new Blob([bytes], { type: "image/jpeg" })));
+    else {
+      const pixels = new ImageData(bytes, width, height);
+      put(half, (flags & 2) !== 0 ? pixels : laidOver(half.canvas, pixels));
+    }
     half.moving = (flags & 1) === 1;
     find("stage").hidden = true;
-    untaken += 1;
     if (isCompared()) subtract();
-    wake();
   }
   // What is not finished in a frame shows the image before.
   function laidOver(before, frame) {
@@ -115,7 +138,7 @@
   // |A - B|, magnified; there is none while the halves have different sizes.
   function subtract() {
     const [a, b] = halves.map((half) => half.pixels);
-    difference.pixels = null;
+    Object.assign(difference, { pixels: null, isShown: false });
     write("difference", "");
     if (!a || !b || a.width !== b.width || a.height !== b.height) return;
     const by = magnification();
@@ -188,12 +211,12 @@
   function drawWipe(context) {
     drawPart(context, halves[0], 0, divider());
     // Until B is rendered, A is all there is.
-    drawPart(context, halves[halves[1].pixels ? 1 : 0], divider(), 1);
+    drawPart(context, halves[halves[1].isShown ? 1 : 0], divider(), 1);
     const [x, middle] = [place.left + place.width * divider(), place.top + place.height / 2];
     drawLines(context, new Path2D(`M${x} ${place.top}v${place.height}M${x - 6} ${middle - 6}l-6 6l6 6m12 -12l6 6l-6 6`));
   }
-  function drawPart(context, { canvas, pixels, moving }, from, to) {
-    if (!pixels) return;
+  function drawPart(context, { canvas, isShown, moving }, from, to) {
+    if (!isShown) return;
     context.save();
     context.beginPath();
     context.rect(place.left + from * place.width, place.top, (to - from) * place.width, place.height);
@@ -268,7 +291,7 @@
     walk(now);
     sendMovement();
     draw();
-    for (; untaken > 0; untaken -= 1) send({ do: "taken" });
+    for (const arrived of untaken.splice(0)) send({ do: "taken", drawing: (performance.now() - arrived) / 1000 });
     if (movements.size > 0 || held.size > 0) wake();
   }
 

@@ -135,7 +135,7 @@ impl<'a> Painter<'a> {
             Request::Side { side } => self.steering.show(&side, self.ready.ends),
             Request::Set { halves } => self.set(halves),
             Request::Look { look } => return self.show_look(look),
-            Request::Probe { .. } | Request::Taken => {}
+            Request::Probe { .. } | Request::Taken { .. } => {}
         }
         if self.steering.view == before {
             return Ok(false);
@@ -230,7 +230,7 @@ impl<'a> Painter<'a> {
         let showing = self.show(0, &words, size, true);
         let options = self.ready.options(self.args, self.halves[0].tracer);
         let rendered = look::render(&self.ready.scene, self.look, &options, &showing)?;
-        showing.finish(&rendered.film);
+        showing.finish(&rendered.film, false);
         self.exchange.withdraw(Kind::Progress);
         self.figures[0] = figures_of(&words, &Work::of(&rendered), true);
         self.send_figures();
@@ -318,7 +318,7 @@ impl<'a> Painter<'a> {
         film: Film,
         is_last: bool,
     ) {
-        showing.finish(&film);
+        showing.finish(&film, is_last);
         self.exchange.withdraw(Kind::Progress);
         if is_last && index == 0 {
             let image = Some((Arc::new(film), self.ready.transfer));

@@ -28,8 +28,9 @@ use wavecrest_scene::components::{Encoding, View};
 use wavecrest_scene::load::LoadedScene;
 use wavecrest_scene::systems::{bounds, free_camera, looks};
 
-/// The most pixels of an image.
+/// The most pixels of an image, and the longest side: that of a JPEG.
 const MOST_PIXELS: u64 = 1 << 24;
+const LONGEST_SIDE: u32 = u16::MAX as u32;
 /// The least number of paths in a batch, and how many batches each thread has of a small image.
 const LEAST_BATCH: usize = 256;
 const SHARES: usize = 8;
@@ -70,8 +71,10 @@ fn session(
 
 /// Refuses an image that is too large for a page.
 fn check_size(args: &ViewArgs, view: &View) -> Result<()> {
-    if u64::from(view.width) * u64::from(view.height) > MOST_PIXELS {
-        let message = format!("a page shows at most {MOST_PIXELS} pixels");
+    let is_long = view.width.max(view.height) > LONGEST_SIDE;
+    if is_long || u64::from(view.width) * u64::from(view.height) > MOST_PIXELS {
+        let message =
+            format!("a page shows at most {MOST_PIXELS} pixels, {LONGEST_SIDE} on a side");
         let error = Error::new(ErrorKind::Limit, message).in_file(&args.scene);
         let remedy = "use a smaller --size";
         return Err(error.value(format!("{} x {}", view.width, view.height)).remedy(remedy));

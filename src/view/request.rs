@@ -35,8 +35,11 @@ pub(super) enum Request {
     Look { look: Option<Look> },
     /// The hits of the rays at a place.
     Probe { at: [f64; 2] },
-    /// The last image has been drawn.
-    Taken,
+    /// An image has been drawn, or a part of one has arrived: so many seconds ago if it was drawn.
+    Taken {
+        #[serde(default)]
+        drawing: f64,
+    },
 }
 
 /// One way to render the image.
@@ -106,7 +109,7 @@ mod tests {
 
     #[test]
     fn requests_are_read_and_others_refused() {
-        assert_eq!(read(r#"{"do":"taken"}"#), Some(Request::Taken));
+        assert_eq!(read(r#"{"do":"taken"}"#), Some(Request::Taken { drawing: 0.0 }));
         assert_eq!(read(r#"{"do":"look","look":null}"#), Some(Request::Look { look: None }));
         let depth = Some(Request::Look { look: Some(Look::Depth) });
         assert_eq!(read(r#"{"do":"look","look":"depth"}"#), depth);

@@ -3,7 +3,7 @@
 //! The path of every resource starts with a random token; without it nothing is found. The `Host` of a request must name
 //! this server, so that no name of a stranger can be made to point here, and the `Origin` of a WebSocket must be the page.
 //! Nothing in a request names a file. One thread serves all connections: each that has not asked for anything soon is
-//! closed, as are the oldest when there are too many, and a page gets the next image when it has drawn the last.
+//! closed, as are the oldest when there are too many.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -14,7 +14,6 @@ use std::time::Duration;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use futures_util::{SinkExt, StreamExt};
 use http_body_util::Full;
 use hyper::body::{Bytes, Incoming};
 use hyper::header::{self, HeaderMap};
@@ -23,17 +22,12 @@ use hyper::{Method, Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use sha1_smol::Sha1;
 use tokio::task::AbortHandle;
-use tokio::time::{Instant, interval, timeout};
-use tokio_tungstenite::WebSocketStream;
-use tokio_tungstenite::tungstenite::Message;
-use tokio_tungstenite::tungstenite::protocol::frame::Frame;
-use tokio_tungstenite::tungstenite::protocol::frame::coding::{Data, OpCode};
-use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
+use tokio::time::{interval, timeout};
 
-use super::exchange::{Exchange, Kind};
+use super::exchange::Exchange;
 use super::page;
-use super::request::Request as Asked;
 use super::take_away::TakeAway;
+use super::talk::talk;
 use wavecrest_base::lock;
 
 /// The most connections that have not become those of a page, and the most pages.
@@ -42,16 +36,8 @@ const MOST_PAGES: usize = 16;
 /// How long a connection may take to ask, and to take an answer.
 const ASKING: Duration = Duration::from_secs(3);
 const ANSWERING: Duration = Duration::from_secs(60);
-/// How often a page is asked whether it is there, and after which silence it is not.
-const PULSE: Duration = Duration::from_secs(5);
-const SILENCE: Duration = Duration::from_secs(20);
 /// How often the progress of a scene's preparation is sent.
 const SHOWING: Duration = Duration::from_millis(100);
-/// The longest message of a page in bytes, and the most in a pulse.
-const LONGEST_MESSAGE: usize = 4096;
-const MOST_MESSAGES: u32 = 2000;
-/// The longest frame of an image, in bytes.
-const LONGEST_FRAME: usize = 64 << 10;
 /// The longest head of a request, in bytes.
 const LONGEST_HEAD: usize = 16 << 10;
 
@@ -284,78 +270,4 @@ fn refused(status: StatusCode) -> Response<Full<Bytes>> {
     let mut response = Response::new(Full::default());
     *response.status_mut() = status;
     response
-}
-
-/// Tells a page what changes on the board, and takes its requests, until it is gone, hangs or floods.
-async fn talk<S>(stream: S, exchange: &Exchange)
-where
-    S: tokio::io::AsyncRead + tokio::io::AsyncWrite + Unpin,
-{
-    let config = WebSocketConfig::default()
-        // Little at a time, so that a flood of empty frames leaves time for other pages.
-        .read_buffer_size(LONGEST_MESSAGE)
-        .max_message_size(Some(LONGEST_MESSAGE))
-        .max_frame_size(Some(LONGEST_MESSAGE));
-    let socket = WebSocketStream::from_raw_socket(stream, Role::Server, Some(config)).await;
-    let (mut sink, mut requests) = socket.split();
-    let mut board = exchange.board.subscribe();
-    let mut sent = [0; Kind::COUNT];
-    let mut pulse = interval(PULSE);
-    let (mut heard, mut since_pulse, mut has_drawn) = (Instant::now(), 0, true);
-    loop {
-        let messages = board.borrow_and_update().messages.clone();
-        for (sent, (number, message)) in sent.iter_mut().zip(messages) {
-            let Some(message) = message.filter(|_| *sent != number) else { continue };
-            let is_image = message.is_binary();
-            if is_image && !has_drawn {
-                continue;
-            }
-            (*sent, has_drawn) = (number, has_drawn && !is_image);
-            for part in parts(message) {
-                if !matches!(timeout(SILENCE, sink.send(part)).await, Ok(Ok(()))) {
-                    return;
-                }
-            }
-        }
-        tokio::select! {
-            changed = board.changed() => if changed.is_err() { return },
-            _ = pulse.tick() => {
-                since_pulse = 0;
-                let ping = sink.send(Message::Ping(Bytes::new()));
-                if heard.elapsed() > SILENCE || !matches!(timeout(SILENCE, ping).await, Ok(Ok(()))) {
-                    return;
-                }
-            }
-            request = requests.next() => {
-                let Some(Ok(message)) = request else { return };
-                (heard, since_pulse) = (Instant::now(), since_pulse + 1);
-                if since_pulse > MOST_MESSAGES || message.is_close() {
-                    return;
-                }
-                has_drawn |= receive(&message, exchange);
-            }
-        }
-    }
-}
-
-/// A message, or an image in frames of a length of which a page that does not read holds few: they share its bytes.
-fn parts(message: Message) -> Vec<Message> {
-    let Message::Binary(bytes) = message else { return vec![message] };
-    let part = |from: usize| {
-        let to = bytes.len().min(from + LONGEST_FRAME);
-        let code = OpCode::Data(if from == 0 { Data::Binary } else { Data::Continue });
-        Message::Frame(Frame::message(bytes.slice(from..to), code, to == bytes.len()))
-    };
-    (0..bytes.len()).step_by(LONGEST_FRAME).map(part).collect()
-}
-
-/// Puts a request in the inbox; true if it says that the last image has been drawn. Others are dropped.
-fn receive(message: &Message, exchange: &Exchange) -> bool {
-    let request = message.to_text().ok().and_then(|text| serde_json::from_str(text).ok());
-    match request {
-        Some(Asked::Taken) => return true,
-        Some(request) => exchange.inbox.put(request),
-        None => {}
-    }
-    false
 }

@@ -4,9 +4,9 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use tokio_tungstenite::tungstenite::Message;
 
 use super::exchange::{Exchange, Kind};
+use super::picture::{MOVES, Picture, WHOLE};
 use wavecrest_base::lock;
 use wavecrest_core::film::Film;
 use wavecrest_core::render::Watch;
@@ -18,17 +18,6 @@ const SHOWING: Duration = Duration::from_millis(100);
 
 /// How long at least an image is not shown again, as a multiple of what it took.
 const RARELY: u32 = 10;
-
-/// Flags of an image: something moves, and all of it is finished.
-const MOVES: u32 = 1;
-const WHOLE: u32 = 2;
-
-/// The message of an image: its half, width, height and flags as 32 bits each, then red, green, blue and opacity of each pixel, the top row first. What is not
-/// finished is transparent. The flags are [`MOVES`] and [`WHOLE`].
-fn image(half: usize, [width, height]: [u32; 2], pixels: &[[u8; 4]], flags: u32) -> Message {
-    let head = [half as u32, width, height, flags].map(u32::to_le_bytes);
-    Message::binary([head.as_flattened(), pixels.as_flattened()].concat())
-}
 
 /// Shows a render: at the end, and before if it takes long enough. At rest, it ends when a request arrives.
 pub(super) struct Showing<'a> {
@@ -67,18 +56,18 @@ impl<'a> Showing<'a> {
         Self { exchange, half, size, transfer, moves, state }
     }
 
-    /// Shows the whole image.
-    pub(super) fn finish(&self, film: &Film) {
+    /// Shows the whole image, which is the last if all `rests`.
+    pub(super) fn finish(&self, film: &Film, rests: bool) {
         let whole = Tile { x: 0, y: 0, width: self.size[0], height: self.size[1] };
         let mut state = lock(&self.state);
         self.keep(&mut state.pixels, &whole, &levels(film, self.transfer));
-        self.show(&state.pixels, WHOLE);
+        self.show(&state.pixels, WHOLE, rests);
     }
 
-    fn show(&self, pixels: &[[u8; 4]], state: u32) {
+    fn show(&self, pixels: &[[u8; 4]], state: u32, rests: bool) {
         let flags = state | if self.moves { MOVES } else { 0 };
-        let message = image(self.half, self.size, pixels, flags);
-        self.exchange.send(Kind::image(self.half), message);
+        let picture = Picture::new(self.half, self.size, pixels, flags, rests);
+        self.exchange.send(Kind::image(self.half), picture);
     }
 
     /// Puts the levels of a tile into the image.
@@ -112,7 +101,7 @@ impl Watch for Showing<'_> {
             half["done"] = (*done as f64 / pixels.len() as f64).into();
         }
         self.exchange.send(Kind::Figures, figures.to_string());
-        self.show(pixels, 0);
+        self.show(pixels, 0, false);
         // A large image takes long to show, which is to take a small share of the time.
         *next = Instant::now() + SHOWING.max(start.elapsed() * RARELY);
     }
@@ -127,15 +116,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn images_have_a_head_and_what_is_not_finished_is_transparent() {
+    fn what_is_not_finished_is_transparent() {
         let exchange = Exchange::default();
         let showing = Showing::new(&exchange, 1, [2, 2], Transfer::Linear, true, Value::Null);
         let right = Tile { x: 1, y: 1, width: 1, height: 1 };
         let pixels = &mut [[0; 4]; 4];
         showing.keep(pixels, &right, &[255, 0, 51]);
         assert_eq!(pixels[..], [[0; 4], [0; 4], [0; 4], [255, 0, 51, 255]]);
-        let Message::Binary(bytes) = image(1, [2, 2], pixels, MOVES) else { panic!("not binary") };
-        assert_eq!(bytes[..16], *[1_u32, 2, 2, 1].map(u32::to_le_bytes).as_flattened());
-        assert_eq!(bytes[16..], *pixels.as_flattened());
+        let picture = Picture::new(1, [2, 2], pixels, MOVES, false);
+        assert_eq!(picture.exact()[..], *pixels.as_flattened());
     }
 }

@@ -151,7 +151,10 @@ fn choose(browser: &mut Browser, field: &str, value: &str) {
 
 /// The image of a half, as the server has told it.
 fn half(browser: &mut Browser, index: usize) -> RgbImage {
-    let found = browser.evaluate(&format!("[...told.images[{index}].subarray(16)]"));
+    // Before it is finished it may be smaller, or a JPEG.
+    let bytes = 4 * SIZE[0] * SIZE[1];
+    browser.wait_for(&format!("told.images[{index}].length === {bytes}"));
+    let found = browser.evaluate(&format!("[...told.images[{index}]]"));
     let bytes =
         found.as_array().expect("an image").iter().map(|byte| byte.as_u64().expect("a byte"));
     let image = RgbaImage::from_raw(SIZE[0], SIZE[1], bytes.map(|byte| byte as u8).collect());

@@ -27,7 +27,10 @@ const SPY: &str = r#"
             super(address);
             this.addEventListener("message", ({ data }) => {
                 if (typeof data !== "string") {
-                    told.images[new DataView(data).getUint32(0, true)] = new Uint8Array(data);
+                    const head = new DataView(data);
+                    const [index, length, from] = [0, 16, 20].map((at) => head.getUint32(at, true));
+                    if (from === 0) told.images[index] = new Uint8Array(length);
+                    told.images[index].set(new Uint8Array(data, 24), from);
                     return;
                 }
                 const message = JSON.parse(data);

@@ -1,6 +1,7 @@
 //! The server of the page that `view` shows: what it refuses, what it bounds, and what does not end it.
 
 mod client;
+mod slow;
 
 use std::io::{Read, Write};
 use std::net::TcpStream;

@@ -128,6 +128,27 @@ pub fn png(film: &Film, transfer: Transfer) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The levels of pixels, as [`levels`] gives them, as the bytes of a JPEG with this quality of 100.
+///
+/// # Errors
+/// If a side has more pixels than a JPEG can have.
+pub fn jpeg(levels: &[u8], size: [u32; 2], quality: u8) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    encode_jpeg(&mut bytes, levels, size, quality)
+        .map_err(|e| encode_error("a JPEG".as_ref(), e))?;
+    Ok(bytes)
+}
+
+fn encode_jpeg(
+    sink: impl Write,
+    levels: &[u8],
+    [width, height]: [u32; 2],
+    quality: u8,
+) -> std::result::Result<(), ImageError> {
+    let encoder = JpegEncoder::new_with_quality(sink, quality);
+    encoder.write_image(levels, width, height, ExtendedColorType::Rgb8)
+}
+
 /// With `alpha`, the coverage of each pixel, the colours are stored unmultiplied beside it.
 fn encode_png(
     sink: impl Write,
@@ -237,9 +258,8 @@ fn encode(
         Format::Ppm => Ok(netpbm::write_ppm(sink, film, transfer, comments)?),
         Format::Pfm => Ok(netpbm::write_pfm(sink, film)?),
         Format::Jpg => {
-            let encoder = JpegEncoder::new_with_quality(sink, JPEG_QUALITY);
-            let (levels, [width, height]) = (levels(film, transfer), [film.width(), film.height()]);
-            encoder.write_image(&levels, width, height, ExtendedColorType::Rgb8)
+            let size = [film.width(), film.height()];
+            encode_jpeg(sink, &levels(film, transfer), size, JPEG_QUALITY)
         }
         Format::Png => encode_png(sink, film, alpha, transfer, extras.entries).map_err(png_error),
         // To memory first: the encoder turns the system's errors, such as a full disk, into text.

@@ -42,8 +42,17 @@ impl Shown {
 
     /// Shows a file.
     pub(super) fn begin_of(file: &Path, change: impl FnOnce(&mut Command) -> &mut Command) -> Self {
+        Self::begin_sized(file, "12x8", change)
+    }
+
+    /// Shows a file in a size.
+    pub(super) fn begin_sized(
+        file: &Path,
+        size: &str,
+        change: impl FnOnce(&mut Command) -> &mut Command,
+    ) -> Self {
         let mut command = wavecrest(&repository(""));
-        command.args(["view", "--size", "12x8", "-q"]).arg(file);
+        command.args(["view", "--size", size, "-q"]).arg(file);
         let mut process =
             change(&mut command).stdout(Stdio::piped()).spawn().expect("the command runs");
         let mut line = String::new();
@@ -79,7 +88,11 @@ impl Shown {
     }
 
     pub(super) fn socket(&self) -> Socket {
-        let mut stream = self.connect();
+        self.socket_on(self.connect())
+    }
+
+    /// A WebSocket on a connection that leads here.
+    pub(super) fn socket_on(&self, mut stream: TcpStream) -> Socket {
         let request = format!("GET /TOKEN/{UPGRADE}Origin: http://HOST\r\n\r\n");
         stream.write_all(self.filled(&request).as_bytes()).expect("a connection");
         let mut head = Vec::new();
@@ -122,18 +135,24 @@ impl Socket {
         self.0.write_all(&frame(TEXT, request.as_bytes())).expect("a connection");
     }
 
+    /// The next frame: its first byte, and what it has.
+    pub(super) fn receive_frame(&mut self) -> (u8, Vec<u8>) {
+        let mut head = [0; 2];
+        self.0.read_exact(&mut head).expect("a frame");
+        let extended = [0, 2, 8][usize::from(head[1].saturating_sub(125))];
+        let mut length = [0; 8];
+        self.0.read_exact(&mut length[8 - extended..]).expect("a length");
+        let length = if extended > 0 { u64::from_be_bytes(length) } else { head[1].into() };
+        let mut content = vec![0; length as usize];
+        self.0.read_exact(&mut content).expect("a message");
+        (head[0], content)
+    }
+
     /// The next message that is text.
     pub(super) fn receive(&mut self) -> Value {
         loop {
-            let mut head = [0; 2];
-            self.0.read_exact(&mut head).expect("a frame");
-            let extended = [0, 2, 8][usize::from(head[1].saturating_sub(125))];
-            let mut length = [0; 8];
-            self.0.read_exact(&mut length[8 - extended..]).expect("a length");
-            let length = if extended > 0 { u64::from_be_bytes(length) } else { head[1].into() };
-            let mut content = vec![0; length as usize];
-            self.0.read_exact(&mut content).expect("a message");
-            if head[0] == 0x80 | TEXT {
+            let (kind, content) = self.receive_frame();
+            if kind == 0x80 | TEXT {
                 return serde_json::from_slice(&content).expect("JSON");
             }
         }
