@@ -27,7 +27,7 @@ pub(super) struct Line {
     /// The bytes that were taken, and the seconds that they were passed in.
     bytes: f64,
     seconds: f64,
-    /// The least time until an empty message was answered, and when one that is not was sent.
+    /// The least time until anything was answered, and when an empty message was sent that is not.
     delay: Option<Duration>,
     pinged: Option<Instant>,
     /// What has been sent and not taken: bytes, and when.
@@ -88,7 +88,8 @@ impl Line {
         let Some((bytes, sent)) = self.under_way.pop_front() else { return };
         let drawing = Duration::try_from_secs_f64(drawing).unwrap_or_default();
         let arrived = now.checked_sub(drawing).unwrap_or(sent).max(sent);
-        // It was passed after what was before it, and after the delay.
+        // It was passed after what was before it, and after the delay, which cannot be longer than all of it took.
+        self.delay = self.delay.map(|delay| delay.min(arrived - sent));
         let begun = self.arrived.max(sent + self.delay.unwrap_or_default());
         let seconds = arrived.saturating_duration_since(begun).max(SHORTEST).as_secs_f64();
         self.bytes = BEFORE * self.bytes + bytes as f64;

@@ -60,9 +60,11 @@ impl Picture {
     }
 
     /// By what its sides are divided in a JPEG of about `budget` bytes, at so many bytes a pixel; `None` if it is to be exact.
-    pub(super) fn reduction(&self, budget: usize, density: f64) -> Option<usize> {
+    /// What rests is a JPEG at most the `first` time, with all its pixels.
+    pub(super) fn reduction(&self, budget: usize, density: f64, first: bool) -> Option<usize> {
         // A JPEG has no place for what is not finished.
-        if self.rests || !self.has(WHOLE) || self.exact.len() <= budget {
+        let is_lossy = self.has(WHOLE) && (first || !self.rests);
+        if !is_lossy || self.exact.len() <= budget {
             return None;
         }
         let pixels = f64::from(self.size[0]) * f64::from(self.size[1]);
@@ -133,6 +135,11 @@ pub(super) struct Parcel {
 }
 
 impl Parcel {
+    /// Whether it is a JPEG of what is exact in the end.
+    pub(super) fn is_preview(&self) -> bool {
+        self.picture.rests && self.density().is_some()
+    }
+
     /// The bytes of each of its pixels, if it is a JPEG.
     pub(super) fn density(&self) -> Option<f64> {
         let [_, width, height, flags, length] = self.head.map(f64::from);
@@ -174,13 +181,14 @@ mod tests {
         let moving = picture(MOVES | WHOLE, false);
         assert_eq!(moving.reduced(2), (vec![20, 30, 40, 50, 60, 70], [2, 1]));
         assert_eq!(moving.reduced(1).0, [10, 20, 30, 30, 40, 50, 50, 60, 70].repeat(2));
-        let choose = |picture: &Picture, budget| picture.reduction(budget, 0.5);
+        let choose = |picture: &Picture, budget| picture.reduction(budget, 0.5, false);
         assert_eq!([choose(&moving, 24), choose(&moving, 1)], [None, Some(2)]);
         let (pass, part) = (picture(WHOLE, false), picture(0, false));
         assert_eq!(
             [&pass, &part, &picture(WHOLE, true)].map(|p| choose(p, 1)),
             [Some(1), None, None]
         );
+        assert_eq!(picture(WHOLE, true).reduction(1, 0.5, true), Some(1));
         assert!(pass.gives_way(&moving) && part.gives_way(&pass) && !pass.gives_way(&part));
         assert!(!moving.gives_way(&moving) && picture(MOVES, false).is_spared(1));
 

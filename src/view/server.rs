@@ -8,14 +8,16 @@
 use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::pin::pin;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use futures_util::TryFutureExt as _;
 use http_body_util::Full;
-use hyper::body::{Bytes, Incoming};
+use hyper::body::{Body as _, Bytes, Incoming};
 use hyper::header::{self, HeaderMap};
 use hyper::service::service_fn;
 use hyper::{Method, Request, Response, StatusCode};
@@ -33,9 +35,10 @@ use wavecrest_base::lock;
 /// The most connections that have not become those of a page, and the most pages.
 const MOST_CONNECTIONS: usize = 128;
 const MOST_PAGES: usize = 16;
-/// How long a connection may take to ask, and to take an answer.
+/// How long a connection may take to ask, and to take an answer: then as long as it takes at this many bytes a second.
 const ASKING: Duration = Duration::from_secs(3);
 const ANSWERING: Duration = Duration::from_secs(60);
+const SLOWEST: u64 = 16 << 10;
 /// How often the progress of a scene's preparation is sent.
 const SHOWING: Duration = Duration::from_millis(100);
 /// The longest head of a request, in bytes.
@@ -185,15 +188,25 @@ pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::i
 
 /// Answers the one request of a connection.
 async fn connection(stream: tokio::net::TcpStream, site: Arc<Site>, pages: Arc<Bounded>) {
-    let service = service_fn(|request| answer(request, Arc::clone(&site), Arc::clone(&pages)));
+    let length = AtomicU64::new(0);
+    let service = service_fn(|request| {
+        let answered = answer(request, Arc::clone(&site), Arc::clone(&pages));
+        answered.inspect_ok(|answer| {
+            length.store(answer.body().size_hint().lower(), Ordering::Relaxed);
+        })
+    });
     let mut http = hyper::server::conn::http1::Builder::new();
     http.timer(TokioTimer::new())
         .header_read_timeout(ASKING)
         .keep_alive(false)
         .max_buf_size(LONGEST_HEAD);
     let served = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
+    let mut served = pin!(served);
     // A client that goes away or hangs is no error of the server's.
-    let _ = timeout(ANSWERING, served).await;
+    if timeout(ANSWERING, &mut served).await.is_err() {
+        let more = Duration::from_secs(length.load(Ordering::Relaxed) / SLOWEST);
+        let _ = timeout(more, served).await;
+    }
 }
 
 async fn answer(

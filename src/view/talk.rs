@@ -96,6 +96,8 @@ async fn pass_on<S: Sink<Message> + Unpin>(
 struct Page {
     /// The numbers of the last messages of each kind that were sent.
     sent: [u64; Kind::COUNT],
+    /// Those of which an image has been sent, exact or not.
+    begun: [u64; Kind::COUNT],
     line: Line,
     /// The image of which a part has been sent, with its kind.
     parcel: Option<(usize, Parcel)>,
@@ -107,7 +109,7 @@ struct Page {
 impl Page {
     fn new() -> Self {
         let (sent, line, waiting) = ([0; Kind::COUNT], Line::new(), VecDeque::new());
-        Self { sent, line, parcel: None, waiting, sends: false }
+        Self { sent, begun: sent, line, parcel: None, waiting, sends: false }
     }
 
     fn ping(&mut self) {
@@ -142,14 +144,20 @@ impl Page {
         if !self.line.has_room() {
             return;
         }
-        let is_over = |kind: usize, picture: &Picture| {
-            pictures.iter().any(|(of, _, newer)| *of == kind && picture.gives_way(newer))
+        let is_over = |kind: usize, picture: &Arc<Picture>| {
+            let gives_way = |newer| !Arc::ptr_eq(picture, newer) && picture.gives_way(newer);
+            pictures.iter().any(|(of, _, newer)| *of == kind && gives_way(newer))
         };
         self.parcel.take_if(|(kind, parcel)| parcel.is_sent() || is_over(*kind, &parcel.picture));
         for (kind, number, picture) in pictures {
             if self.parcel.is_none() {
-                self.sent[kind] = number;
-                self.parcel = self.pack(picture).await.map(|parcel| (kind, parcel));
+                let first = self.begun[kind] != number;
+                let parcel = self.pack(picture, first).await;
+                self.begun[kind] = number;
+                if !parcel.as_ref().is_some_and(Parcel::is_preview) {
+                    self.sent[kind] = number;
+                }
+                self.parcel = parcel.map(|parcel| (kind, parcel));
             }
         }
         if let Some((_, parcel)) = &mut self.parcel {
@@ -159,8 +167,8 @@ impl Page {
         }
     }
 
-    /// An image as it is sent on this line.
-    async fn pack(&mut self, picture: Arc<Picture>) -> Option<Parcel> {
+    /// An image as it is sent on this line, for the `first` time or once more.
+    async fn pack(&mut self, picture: Arc<Picture>, first: bool) -> Option<Parcel> {
         if !self.line.is_known() {
             return Some(picture.parcel(None));
         }
@@ -168,7 +176,7 @@ impl Page {
         if picture.is_spared(budget) {
             return None;
         }
-        let Some(by) = picture.reduction(budget, self.line.density) else {
+        let Some(by) = picture.reduction(budget, self.line.density, first) else {
             return Some(picture.parcel(None));
         };
         // Not among the connections, which would wait.

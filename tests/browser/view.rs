@@ -136,6 +136,38 @@ fn scenes_of_view_render_to_what_it_shows() {
     }
 }
 
+/// Answers of the page are late, as on a slow line.
+const LATE: &str = "(() => {
+    const send = WebSocket.prototype.send;
+    WebSocket.prototype.send = function (text) {
+        const { drawing, ...rest } = JSON.parse(text);
+        setTimeout(() => send.call(this, JSON.stringify(rest)), 250);
+    };
+})()";
+
+#[test]
+fn on_a_slow_line_view_shows_a_jpeg_first() {
+    let Some(mut browser) = started("view on a slow line") else { return };
+    let folder = laid_out();
+    let server = Server::start(&folder.path().join("scenes"), "cutouts.json", &[]);
+    browser.visit(&server.address);
+    browser.wait_for("told.images[0]");
+    at_rest(&mut browser, &server);
+    let point = middle(place(&browser.canvas("#image")), [80, 60]);
+    browser.evaluate(LATE);
+    // What is sent next tells how slow it is: then a JPEG comes at once, and the pixels in parts.
+    moved(&mut browser, &server, |b| drag(b, point, [point[0] + 20.0, point[1]]));
+    browser.evaluate("window.before = told.previews");
+    drag(&mut browser, point, [point[0] + 50.0, point[1]]);
+    browser.wait_for("told.previews > before");
+    let _drawn_by_now = shown(&mut browser);
+    let (lossy, exact) = (shown(&mut browser), at_rest(&mut browser, &server));
+    let far = lossy.iter().zip(exact.iter()).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>();
+    let mean = far / exact.len() as f64;
+    assert!(mean > 0.0 && mean < 10.0, "the JPEG differs by {mean}");
+    assert_eq!(browser.complaints, Vec::<String>::new());
+}
+
 /// Has two halves, of which the second has other samples, so that its noise tells them apart.
 fn compare(browser: &mut Browser) {
     browser.evaluate("document.querySelector('#compare').click()");

@@ -21,14 +21,16 @@ pub(crate) const SIZE: [u32; 2] = [160, 120];
 /// Keeps what the server tells the page. A new state means new figures: until they are there, the old
 /// ones could pass for them.
 const SPY: &str = r#"
-    window.told = { images: [] };
+    window.told = { images: [], previews: 0 };
     window.WebSocket = class extends WebSocket {
         constructor(address) {
             super(address);
             this.addEventListener("message", ({ data }) => {
                 if (typeof data !== "string") {
                     const head = new DataView(data);
-                    const [index, length, from] = [0, 16, 20].map((at) => head.getUint32(at, true));
+                    const [index, flags, length, from] = [0, 12, 16, 20].map((at) => head.getUint32(at, true));
+                    // JPEGs of what does not move.
+                    told.previews += (flags & 5) === 4;
                     if (from === 0) told.images[index] = new Uint8Array(length);
                     told.images[index].set(new Uint8Array(data, 24), from);
                     return;
