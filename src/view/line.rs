@@ -12,6 +12,8 @@ use tokio::time::Instant;
 const PERIOD: Duration = Duration::from_millis(80);
 /// The shortest delay at which an image is sent before the last has been drawn: else there would be few.
 const FAR: Duration = Duration::from_millis(25);
+/// How long words wait behind an image. A page that is hidden draws none.
+pub(super) const LATE: Duration = Duration::from_secs(1);
 /// The least time that is measured: less is chance.
 const SHORTEST: Duration = Duration::from_millis(1);
 /// The bytes of a first part, while nothing is known, and the least of any: less is mostly heads.
@@ -52,6 +54,12 @@ impl Line {
 
     pub(super) fn is_known(&self) -> bool {
         self.rate().is_some()
+    }
+
+    /// Whether words are to wait, too: not until it is known, nor when its page draws nothing for a while.
+    pub(super) fn is_full(&self) -> bool {
+        let is_late = |(_, sent): &(usize, Instant)| sent.elapsed() >= LATE;
+        self.is_known() && !self.has_room() && !self.under_way.front().is_some_and(is_late)
     }
 
     /// The bytes that are passed between two images.

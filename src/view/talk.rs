@@ -11,13 +11,13 @@ use std::time::Duration;
 
 use futures_util::{Sink, SinkExt, StreamExt};
 use hyper::body::Bytes;
-use tokio::time::{Instant, interval_at};
+use tokio::time::{Instant, interval_at, sleep};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 
 use super::exchange::{Exchange, Kind, Posted};
-use super::line::Line;
+use super::line::{LATE, Line};
 use super::picture::{Parcel, Picture};
 use super::request::Request;
 
@@ -68,6 +68,7 @@ where
                 }
                 page.sends = false;
             }
+            () = sleep(LATE), if page.line.is_full() => {}
             changed = board.changed() => if changed.is_err() { return },
             _ = pulse.tick() => {
                 since_pulse = 0;
@@ -124,8 +125,7 @@ impl Page {
 
     /// Takes from the board what the page has not been sent and the line has room for.
     async fn offer(&mut self, board: [(u64, Option<Posted>); Kind::COUNT]) {
-        // While nothing is known of a line, words go ahead: perhaps its page never says that it has drawn.
-        if self.line.is_known() && !self.line.has_room() {
+        if self.line.is_full() {
             return;
         }
         let mut pictures = Vec::new();
