@@ -130,25 +130,16 @@ fn images_move_on_slow_lines_and_are_exact_at_rest() {
     let scene = repository("scenes/cutouts.json");
     let options = ["--no-open", "--samples", "1"];
     let shown = Shown::begin_sized(&scene, "1024x768", |command| command.args(options));
-    let mut direct = shown.socket();
-    let first = at_rest(&mut direct);
     // Half of what is asked of a machine that does nothing else.
     for (bits, least) in [(1e6, 1.0), (1e7, 4.0)] {
         let mut slow = slow_socket(&shown, bits);
         let [images, bytes, lossy] = orbited(&mut slow, 4.0);
         println!("{bits} bits a second: {images:.1} images of {bytes:.0} bytes, {lossy:.2} JPEG");
         assert!(images >= least && lossy > 0.5, "{images} images a second, {lossy} of them JPEGs");
-        if bits == 1e7 {
-            let (slow, mut before) = (at_rest(&mut slow), first.clone());
-            while before != slow {
-                let start = Instant::now();
-                before = at_rest(&mut direct);
-                assert!(start.elapsed() < Duration::from_secs(15), "the direct image is another");
-            }
-            assert_ne!(slow, first);
-        }
+        // A rest before the last movement is exact, too.
+        while bits == 1e7 && at_rest(&mut slow) != at_rest(&mut shown.socket()) {}
     }
-    let [images, _, lossy] = orbited(&mut direct, 3.0);
+    let [images, _, lossy] = orbited(&mut shown.socket(), 3.0);
     println!("one machine: {images:.1} images a second, {lossy:.2} JPEG");
     assert!(lossy < 0.5, "{lossy} of the images on one machine are JPEGs");
 }
