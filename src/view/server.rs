@@ -1,13 +1,13 @@
 //! The server of the page: HTTP and WebSocket on one port, for whoever has the address.
 //!
-//! The path of every resource starts with a random token; without it nothing is found. The `Host` of a request must name
-//! this server, so that no name of a stranger can be made to point here, and the `Origin` of a WebSocket must be the page.
+//! The path of every resource starts with a random token; without it nothing is found. Who asks must
+//! name this machine ([`address`](super::address)), and the `Origin` of a WebSocket must be the page.
 //! Nothing in a request names a file. One thread serves all connections: each that has not asked for anything soon is
 //! closed, as are the oldest when there are too many, and a page gets the next image when it has drawn the last.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::net::IpAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -30,6 +30,7 @@ use tokio_tungstenite::tungstenite::protocol::frame::Frame;
 use tokio_tungstenite::tungstenite::protocol::frame::coding::{Data, OpCode};
 use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 
+use super::address::Address;
 use super::exchange::{Exchange, Kind};
 use super::page;
 use super::request::Request as Asked;
@@ -67,41 +68,23 @@ pub(super) struct Site {
     pub(super) once: String,
     /// Whether it has led there.
     pub(super) opened: AtomicBool,
-    /// Where the server listens.
-    pub(super) address: SocketAddr,
+    /// Where it is served.
+    pub(super) address: Address,
 }
 
 impl Site {
-    /// The address of the page on this machine, with this token.
-    pub(super) fn url(&self, token: &str) -> String {
-        let mut address = self.address;
-        if address.ip().is_unspecified() {
-            address.set_ip(match address {
-                SocketAddr::V4(_) => Ipv4Addr::LOCALHOST.into(),
-                SocketAddr::V6(_) => Ipv6Addr::LOCALHOST.into(),
-            });
-        }
-        format!("http://{address}/{token}/")
-    }
-
-    /// Whether a `Host` names this server: by its address or `localhost`, or by any address where it listens to all.
-    fn is_host(&self, host: &str) -> bool {
-        let port = format!(":{}", self.address.port());
-        let Some(name) = host.strip_suffix(&port) else { return false };
-        let ip = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
-        let own = self.address.ip();
-        let is_local = own.is_loopback() || own.is_unspecified();
-        let is_here = |ip: IpAddr| ip == own || own.is_unspecified();
-        ip.is_ok_and(is_here) || (name == "localhost" && is_local)
-    }
-
-    /// What is asked for below the token, if the request is from the page or from whoever types its address.
-    fn resource<'r>(&self, request: &'r Request<Incoming>) -> Result<&'r str, StatusCode> {
+    /// What is asked for below the token, if the request, which reached this machine at its address `here`, is from the
+    /// page or from whoever types its address.
+    fn resource<'r>(
+        &self,
+        request: &'r Request<Incoming>,
+        here: IpAddr,
+    ) -> Result<&'r str, StatusCode> {
         let text = |name: header::HeaderName| one(request.headers(), &name);
         let host = text(header::HOST).ok_or(StatusCode::BAD_REQUEST)?;
         let origin = text(header::ORIGIN);
-        let is_own = origin.is_none_or(|origin| origin == format!("http://{host}"));
-        if !self.is_host(host) || !is_own {
+        let is_own = origin.is_none_or(|origin| self.address.is_origin(origin, host));
+        if !self.address.is_own(host, here) || !is_own {
             return Err(StatusCode::FORBIDDEN);
         }
         let (token, resource) = request
@@ -199,7 +182,10 @@ pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::i
 
 /// Answers the one request of a connection.
 async fn connection(stream: tokio::net::TcpStream, site: Arc<Site>, pages: Arc<Bounded>) {
-    let service = service_fn(|request| answer(request, Arc::clone(&site), Arc::clone(&pages)));
+    let Ok(here) = stream.local_addr() else { return };
+    let here = here.ip().to_canonical();
+    let service =
+        service_fn(|request| answer(request, here, Arc::clone(&site), Arc::clone(&pages)));
     let mut http = hyper::server::conn::http1::Builder::new();
     http.timer(TokioTimer::new())
         .header_read_timeout(ASKING)
@@ -212,14 +198,16 @@ async fn connection(stream: tokio::net::TcpStream, site: Arc<Site>, pages: Arc<B
 
 async fn answer(
     mut request: Request<Incoming>,
+    here: IpAddr,
     site: Arc<Site>,
     pages: Arc<Bounded>,
 ) -> Result<Response<Full<Bytes>>, Infallible> {
-    let resource = site.resource(&request).map(str::to_owned);
+    let resource = site.resource(&request, here).map(str::to_owned);
     Ok(match resource.as_deref() {
         Ok("") => content("text/html; charset=utf-8", page::HTML.as_str()),
         Ok(ONCE) => {
-            let page = format!("/{}/", site.token);
+            // Relative, as a server before this one may have put the page below a path.
+            let page = format!("../{}/", site.token);
             let moved =
                 Response::builder().status(StatusCode::SEE_OTHER).header(header::LOCATION, page);
             moved.body(Full::default()).unwrap_or_else(|_| refused(StatusCode::NOT_FOUND))
@@ -249,8 +237,23 @@ async fn answer(
                 None => refused(StatusCode::NOT_FOUND),
             }
         }
+        Err(&StatusCode::FORBIDDEN) => stranger(request.headers()),
         Err(status) => refused(*status),
     })
+}
+
+/// The answer to who asks under a strange name, or from a page of another server, with what allows that.
+fn stranger(headers: &HeaderMap) -> Response<Full<Bytes>> {
+    let told = |name| one(headers, &name).unwrap_or("nothing");
+    let [host, origin] = [header::HOST, header::ORIGIN].map(told);
+    let words = format!(
+        "This is the page of wavecrest view, which is asked for as \"{host}\" (Host) from \"{origin}\" (Origin). \
+         That is neither a name of this machine nor the page itself. If another server leads here, add its address to \
+         the command: --allow-origin https://example.org\n"
+    );
+    let mut response = content("text/plain; charset=utf-8", words);
+    *response.status_mut() = StatusCode::FORBIDDEN;
+    response
 }
 
 /// The answer to the handshake of a WebSocket (RFC 6455, section 4.2), if it is one.

@@ -1,6 +1,7 @@
 //! The server of the page that `view` shows: what it refuses, what it bounds, and what does not end it.
 
 mod client;
+mod proxy;
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -26,12 +27,18 @@ const REFUSED: &str = "\
 404 POST / Host:HOST
 400 GET /TOKEN/
 400 GET /TOKEN/ Host:HOST Host:HOST
-403 GET /TOKEN/ Host:127.0.0.1
 403 GET /TOKEN/ Host:elsewhere.example:PORT
+403 GET /TOKEN/ Host:localhost.elsewhere.example:PORT
+403 GET /TOKEN/ Host:elsewhere.example@:PORT
+403 GET /TOKEN/ Host:127.0.0.1.elsewhere.example
 403 GET /TOKEN/ Host:HOST.elsewhere.example
 403 GET /TOKEN/ Host:192.168.0.1:PORT
 403 GET /TOKEN/ Host:HOST Origin:null
 403 GET /TOKEN/ Host:HOST Origin:http://elsewhere.example
+403 GET /TOKEN/ Host:HOST Origin:http://127.0.0.1
+403 GET /TOKEN/ Host:elsewhere.example Origin:http://elsewhere.example
+403 GET /TOKEN/socket Host:HOST Origin:ftp://HOST
+403 GET /TOKEN/socket Host:HOST Origin:http://localhost:PORT
 403 GET /TOKEN/socket Host:HOST
 426 GET /TOKEN/socket Host:HOST Origin:http://HOST";
 
@@ -155,6 +162,17 @@ fn odd_numbers_change_nothing_and_end_nothing() {
     while socket.next("state")["camera"] != first["camera"] {}
 }
 
+#[test]
+#[cfg(unix)]
+fn ctrl_c_ends_the_page_without_a_failure() {
+    let mut shown = Shown::begin();
+    shown.socket().next("state");
+    let id = shown.process.id().to_string();
+    let sent = std::process::Command::new("kill").args(["-s", "INT", &id]).status();
+    assert!(sent.expect("kill runs").success());
+    assert!(shown.process.wait().expect("it ends").success());
+}
+
 /// What is shown and saved stays what was read.
 #[test]
 fn a_file_that_changes_or_vanishes_neither_ends_the_page_nor_mixes_in() {
@@ -169,13 +187,12 @@ fn a_file_that_changes_or_vanishes_neither_ends_the_page_nor_mixes_in() {
     let saved = |shown: &Shown| shown.ask("GET /TOKEN/scene.json HTTP/1.1\r\nHost: HOST\r\n\r\n");
     let before = saved(&shown);
     std::fs::write(&file, "{}").expect("a file");
-    for gone in [false, true] {
+    for (gone, look) in [(false, "depth"), (true, "uv")] {
         if gone {
             std::fs::remove_file(&file).expect("it is there");
         }
-        socket.send(r#"{"do":"look","look":"depth"}"#);
-        let told = socket.next("error")["message"].take().to_string();
-        assert!(told.contains("scene.json has changed since it was read"), "{told}");
+        socket.send(&json!({"do": "look", "look": look}).to_string());
+        while socket.next("state")["look"] != look {}
         assert!(socket.probe([0.5, 0.25]).is_object());
         let without_date =
             |answer: &str| answer.split_once("\r\n\r\n").expect("a body").1.to_owned();
@@ -207,7 +224,7 @@ fn the_address_among_the_arguments_of_the_browser_leads_to_the_page_once() {
     assert!(once.len() == shown.token.len() && once != shown.token, "{address}");
     let ask = || shown.ask(&format!("GET /{once}/ HTTP/1.1\r\nHost: HOST\r\n\r\n"));
     let first = ask();
-    let page = format!("location: /{}/\r\n", shown.token);
+    let page = format!("location: ../{}/\r\n", shown.token);
     assert!(first.starts_with("HTTP/1.1 303 ") && first.contains(&page), "{first}");
     assert!(ask().starts_with("HTTP/1.1 404 "));
 }

@@ -17,8 +17,8 @@ pub(super) const TEXT: u8 = 1;
 
 /// The command, which shows a page.
 pub(super) struct Shown {
-    process: Child,
-    port: u16,
+    pub(super) process: Child,
+    pub(super) port: u16,
     pub(super) token: String,
 }
 
@@ -79,18 +79,9 @@ impl Shown {
     }
 
     pub(super) fn socket(&self) -> Socket {
-        let mut stream = self.connect();
-        let request = format!("GET /TOKEN/{UPGRADE}Origin: http://HOST\r\n\r\n");
-        stream.write_all(self.filled(&request).as_bytes()).expect("a connection");
-        let mut head = Vec::new();
-        while !head.ends_with(b"\r\n\r\n") {
-            let mut byte = [0];
-            stream.read_exact(&mut byte).expect("a head");
-            head.extend(byte);
-        }
-        assert!(head.starts_with(b"HTTP/1.1 101 "), "{}", text(&head));
-        assert!(text(&head).contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), "{}", text(&head));
-        Socket(stream)
+        let [path, host, origin] =
+            ["/TOKEN/", "HOST", "http://HOST"].map(|words| self.filled(words));
+        Socket::open(self.connect(), &path, &host, &origin).unwrap_or_else(|told| panic!("{told}"))
     }
 }
 
@@ -99,7 +90,7 @@ pub(super) const UPGRADE: &str = "socket HTTP/1.1\r\nHost: HOST\r\nConnection: U
     Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
 
 /// What comes until the end of a connection, however it ends.
-fn rest(stream: &mut TcpStream) -> String {
+pub(super) fn rest(stream: &mut TcpStream) -> String {
     let mut bytes = Vec::new();
     let ended = stream.read_to_end(&mut bytes);
     let kind = ended.map_err(|error| error.kind());
@@ -118,6 +109,28 @@ pub(super) fn frame(kind: u8, content: &[u8]) -> Vec<u8> {
 }
 
 impl Socket {
+    /// The WebSocket of the page at a path, or the answer in its place.
+    pub(super) fn open(
+        mut stream: TcpStream,
+        path: &str,
+        host: &str,
+        origin: &str,
+    ) -> Result<Self, String> {
+        let request = format!("GET {path}{UPGRADE}Origin: {origin}\r\n\r\n");
+        stream.write_all(request.replace("HOST", host).as_bytes()).expect("a connection");
+        let mut head = Vec::new();
+        while !head.ends_with(b"\r\n\r\n") {
+            let mut byte = [0];
+            stream.read_exact(&mut byte).expect("a head");
+            head.extend(byte);
+        }
+        if !head.starts_with(b"HTTP/1.1 101 ") {
+            return Err(text(&head).to_owned() + &rest(&mut stream));
+        }
+        assert!(text(&head).contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), "{}", text(&head));
+        Ok(Self(stream))
+    }
+
     pub(super) fn send(&mut self, request: &str) {
         self.0.write_all(&frame(TEXT, request.as_bytes())).expect("a connection");
     }
