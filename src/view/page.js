@@ -497,14 +497,12 @@
     write("bvh", `Tree of boxes: ${bvh}`);
   };
 
-  // A pixel: its record as a tree, filled where it is opened.
-  const FIRST_LEVELS = 5;
+  // A pixel, in the words of `wavecrest probe`; its cross goes when they are closed.
   let probed = null;
   show.probe = ({ at, record }) => {
     probed = at;
-    find("record").replaceChildren(...makeTrees(record, 1));
-    const end = record.cut_after === null ? "" : ` The record ends after ${record.cut_after} rays and points on lights.`;
-    write("pixel-note", `The cross marks the pixel in the image.${end}`);
+    write("record", record);
+    write("pixel-note", "The cross marks the pixel in the image.");
     find("pixel").open = true;
     find("pixel").scrollIntoView();
     wake();
@@ -513,24 +511,10 @@
     if (probed) write("pixel-note", "The camera has moved since: click again.");
     probed = null;
   }
-  // Of a list only the first is open.
-  function makeTrees(value, depth) {
-    const isOpen = (index) => depth < FIRST_LEVELS && (index === 0 || !Array.isArray(value));
-    return Object.entries(value).map(([name, inner], index) => makeTree(name, inner, depth, isOpen(index)));
-  }
-  function makeTree(name, value, depth, open) {
-    const isList = Array.isArray(value);
-    if (plain(value) || (isList && value.every(plain))) {
-      const text = isList ? `[${value.join(", ")}]` : JSON.stringify(value);
-      return make("div", { className: "leaf" }, make("span", { textContent: name }), ` ${text}`);
-    }
-    const outline = isList ? `${value.length} of them` : (value.kind ?? value.name ?? "");
-    const branch = make("details", { open }, make("summary", {}, `${name} `, make("span", { textContent: outline })));
-    const grow = () => branch.append(...makeTrees(value, depth + 1));
-    if (open) grow();
-    else branch.addEventListener("toggle", grow, { once: true });
-    return branch;
-  }
+  find("pixel").addEventListener("toggle", ({ target }) => {
+    if (!target.open) probed = null;
+    wake();
+  });
 
   // Take away.
   async function copyCommand() {

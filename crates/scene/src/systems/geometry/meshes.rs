@@ -98,7 +98,8 @@ impl Meshes {
 }
 
 /// Moves `more` to the end of `all`, which will have `room` items in the end, each `shifted` by the
-/// number of positions `before` it; without a copy if `all` is empty and stays as it is, or nothing shares them.
+/// number of positions `before` it. If `all` is empty it takes `more`,
+/// which is copied only if it is shared and has to grow.
 pub(super) fn append<T: Copy + Send>(
     all: &mut Shared<T>,
     more: Shared<T>,
