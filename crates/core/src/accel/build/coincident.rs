@@ -55,14 +55,15 @@ impl Heaps {
     ) {
         self.members.clear();
         self.ranges.clear();
-        let [heaps, fans] = [heaps(boxes, whole), fans::fans(singles)];
+        let (heaps, mut fans) = (heaps(boxes, whole), fans::fans(singles));
+        fans.extend(fans::large(boxes));
         if heaps.is_empty() && fans.is_empty() {
             return;
         }
         let mut is_alone = vec![true; boxes.len()];
         let heaps = heaps.into_iter().map(|heap| (heap, false));
         for (heap, is_fan) in heaps.chain(fans.into_iter().map(|fan| (fan, true))) {
-            // A member of a heap may be in a fan.
+            // A member of a heap may be in a fan, too.
             let own = heap.iter().filter(|&&i| std::mem::take(&mut is_alone[i as usize]));
             let members: Vec<_> = own.map(|&i| (singles[i as usize], boxes[i as usize])).collect();
             if members.is_empty() {

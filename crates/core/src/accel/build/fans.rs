@@ -1,4 +1,4 @@
-//! Finds fans: many triangles around one vertex, such as needles.
+//! Finds fans: many triangles around one vertex, such as needles, or around no vertex, but as large as the piece.
 //!
 //! Their boxes overlap as those of a heap do ([`super::coincident`]), and a bottom-up builder takes as long: the smallest
 //! box is the best partner of all others. So a fan is opened like a heap, along Morton's curve.
@@ -16,6 +16,12 @@ const LEAST: u32 = 256;
 /// Bits of the number of counters of the first pass, which stay in the first-level cache: of a chunk of a usual mesh each
 /// counts a dozen corners.
 const COUNTER_BITS: u32 = 12;
+
+/// A box is large whose surface is more than that of the box around all, divided by this.
+const LARGE: f32 = 64.0;
+
+/// So many large boxes take the builder some milliseconds. With more, a ray into the piece meets dozens, however they are joined.
+const MOST_LARGE: usize = 1024;
 
 /// The fans among `singles`, as lists of indices in rising order. A triangle is in the largest of its corners.
 pub(super) fn fans(singles: &[Entry]) -> Vec<Vec<u32>> {
@@ -46,6 +52,16 @@ pub(super) fn fans(singles: &[Entry]) -> Vec<Vec<u32>> {
     fans
 }
 
+/// The boxes that are large, if they are many.
+pub(super) fn large(boxes: &[Aabb]) -> Option<Vec<u32>> {
+    let around = boxes.iter().fold(Aabb::INVALID, |all, own| all.union(own));
+    let least = around.half_area() / LARGE;
+    let is_large = |own: &Aabb| own.half_area() > least;
+    let count = boxes.iter().filter(|own| is_large(own)).count();
+    let found = || (0..).zip(boxes).filter(|(_, own)| is_large(own)).map(|(index, _)| index);
+    (count > MOST_LARGE).then(|| found().collect())
+}
+
 /// The members of a fan along the curve.
 pub(super) fn ordered(members: &[(Entry, Aabb)]) -> Vec<(Entry, Aabb)> {
     let boxes: Vec<_> = members.iter().map(|(_, own)| *own).collect();
@@ -56,6 +72,8 @@ pub(super) fn ordered(members: &[(Entry, Aabb)]) -> Vec<(Entry, Aabb)> {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3A;
+
     use super::*;
 
     #[test]
@@ -68,5 +86,16 @@ mod tests {
         // Too few.
         singles.extend((5300..5400).map(|i| entry(i, [3 * i, 8000, 3 * i + 1])));
         assert_eq!(fans(&singles), vec![(5000..5300).collect::<Vec<u32>>()]);
+    }
+
+    #[test]
+    fn many_large_boxes_are_found() {
+        let row =
+            |size: f32| move |i| Aabb::new(Vec3A::splat(i as f32), Vec3A::splat(i as f32 + size));
+        let mut boxes: Vec<_> = (0..2000).map(row(1.0)).collect();
+        boxes.extend((0..1000).map(row(1000.0)));
+        assert_eq!(large(&boxes), None);
+        boxes.extend((0..1000).map(row(1000.0)));
+        assert_eq!(large(&boxes), Some((2000..4000).collect()));
     }
 }

@@ -219,13 +219,21 @@ mod tests {
 
     use super::*;
 
-    /// Needles from one corner to a line: each box is in the next.
+    /// Needles from one corner to a line, and such as begin beside it: each box is in the next, more or less.
     #[test]
     fn a_fan_takes_few_rounds() {
+        for begin in [0.0, 0.01] {
+            check_rounds(begin);
+        }
+    }
+
+    fn check_rounds(begin: f32) {
         const COUNT: u32 = 5000;
         let end = |i: u32| Vec3::new(1.0, i as f32 / COUNT as f32, 0.0);
-        let positions = std::iter::once(Vec3::ZERO).chain((0..=COUNT).map(end)).collect();
-        let triangles = (1..=COUNT).map(|i| [0, i, i + 1]).collect();
+        let mut positions: Vec<_> = (0..=COUNT).map(end).collect();
+        positions.extend((0..COUNT).map(|i| end(i) * begin));
+        let needle = |i| [if begin > 0.0 { COUNT + 1 + i } else { COUNT + 1 }, i, i + 1];
+        let triangles = (0..COUNT).map(needle).collect();
         let geometry = Geometry { positions, triangles, ..Geometry::default() };
         let numbers: Vec<_> = (0..COUNT).map(AtomicU32::new).collect();
         let extents = Aabb { low: Vec3::ZERO, high: Vec3::ONE };
