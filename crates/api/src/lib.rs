@@ -186,7 +186,7 @@ pub mod session;
 
 // Errors, warnings, options that have names, and memory.
 pub use wavecrest_base::choice::Choice;
-pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning, did_you_mean};
 pub use wavecrest_base::{memory, parallel};
 
 // From a scene file to a prepared scene.
@@ -219,7 +219,7 @@ pub use wavecrest_image::farm::{Author, Identity, Pass, Passes};
 pub use wavecrest_image::metadata::{Channel, Entry, Extras, Values};
 pub use wavecrest_image::read::read as read_image;
 pub use wavecrest_image::write::{
-    Format, Transfer, write as write_image, write_with as write_image_with,
+    Develop, Format, Tone, Transfer, write as write_image, write_with as write_image_with,
 };
 
 // Differences between images.
