@@ -45,7 +45,7 @@ fn mixture(count: u32) -> Geometry {
 
 /// Needles from one corner, of which some are there often, so that they are in a fan and in a heap.
 fn needles(count: u32) -> Geometry {
-    let mut geometry = Geometry { positions: vec![Vec3::splat(1.0)], ..Geometry::default() };
+    let mut geometry = Geometry { positions: vec![Vec3::splat(1.0)].into(), ..Geometry::default() };
     for i in 0..count {
         let [x, y, z, _] = random(i, 30);
         let tip = Vec3::new(x, y, z) * 9.0;

@@ -234,7 +234,7 @@ mod tests {
         positions.extend((0..COUNT).map(|i| end(i) * begin));
         let needle = |i| [if begin > 0.0 { COUNT + 1 + i } else { COUNT + 1 }, i, i + 1];
         let triangles = (0..COUNT).map(needle).collect();
-        let geometry = Geometry { positions, triangles, ..Geometry::default() };
+        let geometry = Geometry { positions: positions.into(), triangles, ..Geometry::default() };
         let numbers: Vec<_> = (0..COUNT).map(AtomicU32::new).collect();
         let extents = Aabb { low: Vec3::ZERO, high: Vec3::ONE };
         for preset in Preset::ALL {
