@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use crate::support::*;
-use client::{PING, Shown, TEXT, UPGRADE, frame};
+use client::{CLOSE, PING, Shown, TEXT, UPGRADE, frame};
 
 /// Statuses, with the requests that get them: method, path and headers.
 const REFUSED: &str = "\
@@ -98,7 +98,7 @@ fn a_page_that_floods_or_sends_what_is_none_is_closed_and_others_go_on() {
     let mut socket = shown.socket();
     socket.next("state");
     for (kind, content) in [(TEXT, r#"{"do":"taken"}"#), (TEXT, "{}"), (PING, "")] {
-        let sent = shown.socket().flood(&frame(kind, content.as_bytes()), 1 << 20);
+        let (sent, _) = shown.socket().flood(&frame(kind, content.as_bytes()), 1 << 20);
         assert!(sent < 1 << 20, "{content}");
         assert!(socket.probe([0.5, f64::from(kind)]).is_object(), "{content}");
     }
@@ -112,6 +112,23 @@ fn a_page_that_floods_or_sends_what_is_none_is_closed_and_others_go_on() {
     socket.0.write_all(&frame(2, &[0; 9])).expect("a connection");
     assert!(socket.probe([0.25, 0.5]).is_object());
     assert!(shown.page().starts_with("HTTP/1.1 200 "));
+}
+
+/// Those that were there first stay, and another may come once one of them has gone.
+#[test]
+fn the_page_that_is_one_too_many_is_told_so_and_closed() {
+    let shown = Shown::begin();
+    let mut pages: Vec<_> = (0..16).map(|_| shown.socket()).collect();
+    pages.iter_mut().for_each(|page| drop(page.next("state")));
+    for _ in 0..3 {
+        let (_, told) = shown.socket().flood(&frame(CLOSE, b""), 1);
+        assert!(told.contains("Too many pages show this scene."), "{told}");
+    }
+    for (page, x) in pages.iter_mut().zip(1..) {
+        assert!(page.probe([0.5, 1.0 / f64::from(x)]).is_object(), "page {x}");
+    }
+    pages.swap_remove(7).flood(&frame(CLOSE, b""), 1);
+    shown.socket().next("state");
 }
 
 /// Requests that change nothing.
