@@ -172,6 +172,31 @@ fn odd_numbers_change_nothing_and_end_nothing() {
     while socket.next("state")["camera"] != first["camera"] {}
 }
 
+/// At the sky and at the floor: the first view has the same numbers again, and the floor is never passed.
+#[test]
+fn notches_lead_back_and_not_through_the_floor() {
+    let shown = Shown::begin();
+    let mut socket = shown.socket();
+    let first = socket.next("state")["camera"].take();
+    let (sky, floor) = ([0.04, 0.06], [0.54, 0.56]);
+    // The shape that is met there after so many movements.
+    let mut zoomed = |at: [f64; 2], by: f64| {
+        let request = json!({"do": "zoom", "at": at, "by": by}).to_string();
+        (0..50).for_each(|_| socket.send(&request));
+        // Within the pixel, but at another place each time.
+        let met = socket.probe([at[0], at[1] + by / 1000.0]);
+        met["paths"][0]["bounces"][0]["met"]["shape"].clone()
+    };
+    for by in [1.0, 2.0, -1.0, -2.0] {
+        assert_eq!(zoomed(sky, by), json!(null), "{by}");
+    }
+    assert_eq!(shown.socket().next("state")["camera"], first);
+    for by in [1.0, 2.0, 0.5, 3.0, 0.1] {
+        assert_eq!(zoomed(floor, by), "scene.shapes[0]", "{by}");
+    }
+    assert_ne!(shown.socket().next("state")["camera"], first);
+}
+
 /// What is shown and saved stays what was read.
 #[test]
 fn a_file_that_changes_or_vanishes_neither_ends_the_page_nor_mixes_in() {
