@@ -117,13 +117,12 @@ impl<'a> Painter<'a> {
     fn obey(&mut self, request: Request) -> Result<bool> {
         let before = self.steering.view;
         match request {
-            Request::Grab { at } => self.steering.pivot = self.ready.point(&self.steering, at),
+            Request::Grab { at } => self.steering.pivot = self.ready.see(&self.steering, at).point,
             Request::Orbit { by } => self.steering.orbit(by),
             Request::Turn { by } => self.steering.turn(by),
             Request::Pan { by } => self.steering.pan(by),
             Request::Zoom { at, by } => {
-                let point = self.ready.point(&self.steering, at);
-                self.steering.zoom(point, by);
+                self.steering.zoom(at, by, |steering| self.ready.see(steering, at));
             }
             Request::Walk { by } => {
                 let [low, high] = self.ready.ends;

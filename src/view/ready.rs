@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::ViewArgs;
 use super::exchange::Exchange;
 use super::request::Half;
-use super::steering::Steering;
+use super::steering::{Seen, Steering};
 use super::take_away::TakeAway;
 use crate::common::tell_all;
 use wavecrest_api::SceneOptions;
@@ -154,13 +154,16 @@ impl Ready {
     }
 
     /// What a ray through a place of the image meets first; a point before it if nothing.
-    pub(super) fn point(&self, steering: &Steering, at: [f64; 2]) -> DVec3 {
+    pub(super) fn see(&self, steering: &Steering, at: [f64; 2]) -> Seen {
         let scene = &self.scene;
         let (from, far) = (steering.view.location, steering.point(at));
         let direction = (far - from).normalize();
         let ray = Ray::new((from - scene.origin).as_vec3(), direction.as_vec3());
         let hit = scene.accel.closest(&ray, &mut scene.accel.traversal());
-        if hit.is_miss() { far } else { from + direction * f64::from(hit.t) }
+        if hit.is_miss() {
+            return Seen { point: far, is_met: false };
+        }
+        Seen { point: from + direction * f64::from(hit.t), is_met: true }
     }
 
     /// The options of a render from where it is placed.

@@ -3,7 +3,8 @@
 //! The path of every resource starts with a random token; without it nothing is found. Who asks must
 //! name this machine ([`address`](super::address)), and the `Origin` of a WebSocket must be the page.
 //! Nothing in a request names a file. One thread serves all connections: each that has not asked for anything soon is
-//! closed, as are the oldest when there are too many, and a page gets the next image when it has drawn the last.
+//! closed, as are the oldest when there are too many, and a page gets the next image when it has drawn the last. A page that
+//! is one too many is told so and closed.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -27,8 +28,8 @@ use tokio::time::{Instant, interval, timeout};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::protocol::frame::Frame;
-use tokio_tungstenite::tungstenite::protocol::frame::coding::{Data, OpCode};
-use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
+use tokio_tungstenite::tungstenite::protocol::frame::coding::{CloseCode, Data, OpCode};
+use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 
 use super::address::Address;
 use super::exchange::{Exchange, Kind};
@@ -40,6 +41,8 @@ use wavecrest_base::lock;
 /// The most connections that have not become those of a page, and the most pages.
 const MOST_CONNECTIONS: usize = 128;
 const MOST_PAGES: usize = 16;
+/// What the page beyond them is told: a reason of at most 123 bytes, by which it knows that the server is there.
+const TOO_MANY: &str = "Too many pages show this scene. This one goes on once another is closed.";
 /// How long a connection may take to ask, and to take an answer.
 const ASKING: Duration = Duration::from_secs(3);
 const ANSWERING: Duration = Duration::from_secs(60);
@@ -136,6 +139,12 @@ impl Bounded {
         tasks.drain(..surplus).for_each(|task| task.abort());
     }
 
+    /// Whether one more would end the oldest.
+    fn is_full(&self) -> bool {
+        let running = |task: &&AbortHandle| !task.is_finished();
+        lock(&self.tasks).iter().filter(running).count() >= self.most
+    }
+
     fn end_oldest(&self) {
         let mut tasks = lock(&self.tasks);
         tasks.pop_front().inspect(AbortHandle::abort);
@@ -217,6 +226,10 @@ async fn answer(
                 return Ok(refused(StatusCode::UPGRADE_REQUIRED));
             };
             let upgrade = hyper::upgrade::on(&mut request);
+            if pages.is_full() {
+                tokio::spawn(timeout(ASKING, refuse(upgrade)));
+                return Ok(accepted);
+            }
             pages.spawn(async move {
                 if let Ok(upgraded) = upgrade.await {
                     talk(TokioIo::new(upgraded), &site.exchange).await;
@@ -287,6 +300,17 @@ fn refused(status: StatusCode) -> Response<Full<Bytes>> {
     let mut response = Response::new(Full::default());
     *response.status_mut() = status;
     response
+}
+
+/// Tells a page that it is one too many, and waits until it has heard.
+async fn refuse(upgrade: hyper::upgrade::OnUpgrade) {
+    let Ok(upgraded) = upgrade.await else { return };
+    let stream = TokioIo::new(upgraded);
+    let mut socket = WebSocketStream::from_raw_socket(stream, Role::Server, None).await;
+    let close = CloseFrame { code: CloseCode::Again, reason: TOO_MANY.into() };
+    if socket.close(Some(close)).await.is_ok() {
+        while let Some(Ok(_)) = socket.next().await {}
+    }
 }
 
 /// Tells a page what changes on the board, and takes its requests, until it is gone, hangs or floods.

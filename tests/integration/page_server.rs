@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use crate::support::*;
-use client::{PING, Shown, TEXT, UPGRADE, frame};
+use client::{CLOSE, PING, Shown, TEXT, UPGRADE, frame};
 
 /// Statuses, with the requests that get them: method, path and headers.
 const REFUSED: &str = "\
@@ -105,7 +105,7 @@ fn a_page_that_floods_or_sends_what_is_none_is_closed_and_others_go_on() {
     let mut socket = shown.socket();
     socket.next("state");
     for (kind, content) in [(TEXT, r#"{"do":"taken"}"#), (TEXT, "{}"), (PING, "")] {
-        let sent = shown.socket().flood(&frame(kind, content.as_bytes()), 1 << 20);
+        let (sent, _) = shown.socket().flood(&frame(kind, content.as_bytes()), 1 << 20);
         assert!(sent < 1 << 20, "{content}");
         assert!(socket.probe([0.5, f64::from(kind)]).is_string(), "{content}");
     }
@@ -119,6 +119,23 @@ fn a_page_that_floods_or_sends_what_is_none_is_closed_and_others_go_on() {
     socket.0.write_all(&frame(2, &[0; 9])).expect("a connection");
     assert!(socket.probe([0.25, 0.5]).is_string());
     assert!(shown.page().starts_with("HTTP/1.1 200 "));
+}
+
+/// Those that were there first stay, and another may come once one of them has gone.
+#[test]
+fn the_page_that_is_one_too_many_is_told_so_and_closed() {
+    let shown = Shown::begin();
+    let mut pages: Vec<_> = (0..16).map(|_| shown.socket()).collect();
+    pages.iter_mut().for_each(|page| drop(page.next("state")));
+    for _ in 0..3 {
+        let (_, told) = shown.socket().flood(&frame(CLOSE, b""), 1);
+        assert!(told.contains("Too many pages show this scene."), "{told}");
+    }
+    for (page, x) in pages.iter_mut().zip(1..) {
+        assert!(page.probe([0.5, 1.0 / f64::from(x)]).is_object(), "page {x}");
+    }
+    pages.swap_remove(7).flood(&frame(CLOSE, b""), 1);
+    shown.socket().next("state");
 }
 
 /// Requests that change nothing.
@@ -171,6 +188,32 @@ fn ctrl_c_ends_the_page_without_a_failure() {
     let sent = std::process::Command::new("kill").args(["-s", "INT", &id]).status();
     assert!(sent.expect("kill runs").success());
     assert!(shown.process.wait().expect("it ends").success());
+}
+
+/// At the sky and at the floor: the first view has the same numbers again, and the floor is never passed.
+#[test]
+fn notches_lead_back_and_not_through_the_floor() {
+    let shown = Shown::begin();
+    let mut socket = shown.socket();
+    let first = socket.next("state")["camera"].take();
+    let (sky, floor) = ([0.04, 0.06], [0.54, 0.56]);
+    // What is met there after so many movements.
+    let mut zoomed = |at: [f64; 2], by: f64| {
+        let request = json!({"do": "zoom", "at": at, "by": by}).to_string();
+        (0..50).for_each(|_| socket.send(&request));
+        // Within the pixel, but at another place each time.
+        socket.probe([at[0], at[1] + by / 1000.0]).to_string()
+    };
+    for by in [1.0, 2.0, -1.0, -2.0] {
+        let met = zoomed(sky, by);
+        assert!(met.contains("hits nothing"), "{by}: {met}");
+    }
+    assert_eq!(shown.socket().next("state")["camera"], first);
+    for by in [1.0, 2.0, 0.5, 3.0, 0.1] {
+        let met = zoomed(floor, by);
+        assert!(met.contains("of scene.shapes[0]"), "{by}: {met}");
+    }
+    assert_ne!(shown.socket().next("state")["camera"], first);
 }
 
 /// What is shown and saved stays what was read.

@@ -12,6 +12,7 @@ use crate::support::*;
 
 /// The longest wait for anything: shorter than the silence after which the server closes a WebSocket.
 const PATIENCE: Duration = Duration::from_secs(15);
+pub(super) const CLOSE: u8 = 8;
 pub(super) const PING: u8 = 9;
 pub(super) const TEXT: u8 = 1;
 
@@ -168,10 +169,9 @@ impl Socket {
         }
     }
 
-    /// Sends until the server closes; returns how many of at most `most` were sent.
-    pub(super) fn flood(mut self, frame: &[u8], most: usize) -> usize {
+    /// Sends until the server closes; returns how many of at most `most` were sent, and what it said last.
+    pub(super) fn flood(mut self, frame: &[u8], most: usize) -> (usize, String) {
         let sent = (0..most).take_while(|_| self.0.write_all(frame).is_ok()).count();
-        rest(&mut self.0);
-        sent
+        (sent, rest(&mut self.0))
     }
 }
