@@ -46,10 +46,11 @@
     image.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, at);
     if (pointers.size === 1) {
-      const [isLeft, isOther] = [event.button === 0, event.button === 2];
+      const isLeft = event.button === 0;
       // With Ctrl some browsers of Macs tell of the other button.
-      const turns = isOther || event.ctrlKey || [...held].some((key) => key in WALKS) ? "turn" : "orbit";
-      drag = { kind: (isLeft || isOther) && !event.shiftKey ? turns : "pan", start: at, isClick: isLeft };
+      const isMain = isLeft || event.ctrlKey;
+      const turns = event.ctrlKey || [...held].some((key) => key in WALKS) ? "turn" : "orbit";
+      drag = { kind: isMain && !event.shiftKey ? turns : "pan", start: at, isClick: isLeft };
       if (isOnDivider(at)) drag = { kind: "divide" };
       else send({ do: "grab", at: onImage(at) });
     } else if (pointers.size === 2) {
