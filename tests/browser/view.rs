@@ -238,7 +238,7 @@ fn halves_of_view_are_compared_and_a_pixel_is_followed() {
     let [x, y] = point.map(|at| at as u32);
     assert_eq!(browser.canvas("#image").get_pixel(x - 6, y).to_rgb().0, [0; 3]);
     drag(&mut browser, point, point);
-    browser.wait_for("document.querySelector('#record').innerText.includes('pixel [100, 70]')");
+    browser.wait_for("document.querySelector('#record').innerText.includes('pixel 100,70')");
     browser.settle();
     let cross = browser.canvas("#image").get_pixel(x - 6, y).to_rgb().0;
     assert!(cross.iter().all(|&level| level > 150), "{cross:?}");

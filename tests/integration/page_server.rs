@@ -132,7 +132,7 @@ fn the_page_that_is_one_too_many_is_told_so_and_closed() {
         assert!(told.contains("Too many pages show this scene."), "{told}");
     }
     for (page, x) in pages.iter_mut().zip(1..) {
-        assert!(page.probe([0.5, 1.0 / f64::from(x)]).is_object(), "page {x}");
+        assert!(page.probe([0.5, 1.0 / f64::from(x)]).is_string(), "page {x}");
     }
     pages.swap_remove(7).flood(&frame(CLOSE, b""), 1);
     shown.socket().next("state");
