@@ -59,7 +59,7 @@ pub(crate) struct ViewArgs {
     /// Port to listen at [default: any that is free]
     #[arg(long, help_heading = PAGE, value_name = "N", default_value_t = 0, hide_default_value = true)]
     pub(crate) port: u16,
-    /// Address of another server that leads to the page, such as https://example.org
+    /// Address of another server that leads to the page, with its scheme
     #[arg(long, help_heading = PAGE, value_name = "ADDRESS", value_parser = origin)]
     pub(crate) allow_origin: Vec<String>,
     /// Show geometry or materials instead of lighting

@@ -2,21 +2,22 @@
 //!
 //! A stranger's site can lead a browser here under a name of its own, which then counts as that site (DNS rebinding). So the
 //! `Host` of a request must be a name or an address of this machine, with any port: tunnels have ports of their own. And the
-//! `Origin` must be that host, or a server that `--allow-origin` names.
+//! `Origin` must be that host. A server that `--allow-origin` names may lead here, too, under its own name and from itself alone.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, UdpSocket};
 
-use hyper::http::uri::{Authority, Uri};
+use hyper::http::uri::{Authority, PathAndQuery, Uri};
 
 /// Where the page is served.
 pub(super) struct Address {
     /// Where the server listens.
     at: SocketAddr,
-    /// The host of its address: as it was given, if that is a name.
+    /// The host of its address.
     host: String,
-    /// Names of this machine, in small letters.
-    names: Vec<String>,
+    /// The name where it was asked to listen, and the names of this machine in its network.
+    name: String,
+    machine: Option<String>,
     /// Other servers that lead here.
     origins: Vec<String>,
 }
@@ -26,18 +27,25 @@ pub(super) fn origin(text: &str) -> Result<String, String> {
     let wrong =
         || "write the address of the other server, such as https://example.org:8443".to_owned();
     let uri: Uri = text.parse().map_err(|_| wrong())?;
-    let (Some(scheme), Some(authority), "/") = (uri.scheme_str(), uri.authority(), uri.path())
-    else {
-        return Err(wrong());
-    };
-    let usual = match scheme {
-        "http" => 80,
-        "https" => 443,
+    let authority = uri.authority().filter(|authority| is_plain(authority)).ok_or_else(wrong)?;
+    let usual = match (uri.scheme_str(), uri.path_and_query().map(PathAndQuery::as_str)) {
+        (Some("http"), Some("/")) => 80,
+        (Some("https"), Some("/")) => 443,
         _ => return Err(wrong()),
     };
     let port = authority.port_u16().filter(|port| *port != usual);
-    let port = port.map_or(String::new(), |port| format!(":{port}"));
-    Ok(format!("{scheme}://{}{port}", authority.host()).to_ascii_lowercase())
+    let host = with_port(authority.host(), port);
+    Ok(format!("{}://{host}", uri.scheme_str().unwrap_or_default()).to_ascii_lowercase())
+}
+
+/// Whether this is a host with or without a port, and nothing else that the parser lets pass.
+fn is_plain(authority: &Authority) -> bool {
+    authority.as_str() == with_port(authority.host(), authority.port_u16())
+        && !authority.host().contains('*')
+}
+
+fn with_port(host: &str, port: Option<u16>) -> String {
+    port.map_or_else(|| host.to_owned(), |port| format!("{host}:{port}"))
 }
 
 impl Address {
@@ -52,14 +60,11 @@ impl Address {
     ) -> io::Result<(TcpListener, Self)> {
         let listener = TcpListener::bind((name, port))?;
         let at = listener.local_addr()?;
-        let machine = machine();
-        let of_origins = origins.iter().filter_map(|origin| origin.parse::<Uri>().ok());
-        let names = of_origins.filter_map(|origin| origin.host().map(str::to_owned));
-        let own = ["localhost".to_owned(), format!("{machine}.local"), machine, name.to_owned()];
-        let names = own.into_iter().chain(names).map(|name| name.to_ascii_lowercase()).collect();
-        let is_name = name.parse::<IpAddr>().is_err();
+        // A name of this machine alone may stand for another address of it, where somebody else listens.
+        let is_name = name.parse::<IpAddr>().is_err() && !at.ip().is_loopback();
         let host = if is_name { name.to_owned() } else { written(reached(at.ip())) };
-        Ok((listener, Self { at, host, names, origins: origins.to_vec() }))
+        let (name, origins) = (name.to_owned(), origins.to_vec());
+        Ok((listener, Self { at, host, name, machine: machine(), origins }))
     }
 
     /// The address of the page with this token.
@@ -70,36 +75,52 @@ impl Address {
     /// The command that leads from another machine to the page, if nothing else does.
     pub(super) fn tunnel(&self) -> Option<String> {
         let port = self.at.port();
+        let machine = self.machine.as_deref().unwrap_or("HOST");
         let leads = self.at.ip().is_loopback();
-        leads.then(|| format!("ssh -L {port}:{}:{port} {}", self.host, machine()))
+        leads.then(|| format!("ssh -L {port}:{}:{port} {machine}", self.host))
     }
 
-    /// Whether a `Host` names this machine, which the request reached at its address `here`.
-    pub(super) fn is_own(&self, host: &str, here: IpAddr) -> bool {
-        let Ok(authority) = host.parse::<Authority>() else { return false };
-        let port = authority.port_u16().map_or(String::new(), |port| format!(":{port}"));
-        // The parser lets other words pass.
-        if host != format!("{}{port}", authority.host()) {
-            return false;
+    /// Whether a request with this `Host` and `Origin`, which reached this machine at its address `here`, is from the page
+    /// or from whoever types its address.
+    pub(super) fn lets_in(&self, host: &str, origin: Option<&str>, here: IpAddr) -> bool {
+        let is_named = || self.origins.iter().any(|named| Some(&**named) == origin);
+        let is_host = |origin: &str, host: &str| {
+            // With encryption, too, if a server before this one takes it off.
+            ["http://", "https://"]
+                .into_iter()
+                .any(|scheme| origin.strip_prefix(scheme) == Some(host))
+        };
+        if self.is_own(host, here) {
+            return origin.is_none_or(|origin| is_host(origin, host)) || is_named();
         }
-        let name = authority.host().trim_matches(['[', ']']);
-        match name.parse::<IpAddr>() {
-            Ok(ip) => ip == here || ip.is_loopback() || self.at.ip().is_unspecified(),
-            Err(_) => self.names.iter().any(|own| own.eq_ignore_ascii_case(name)),
-        }
+        let leads_here =
+            self.origins.iter().any(|named| is_host(named, &host.to_ascii_lowercase()));
+        leads_here && (origin.is_none() || is_named())
     }
 
-    /// Whether the page at `host`, a name of this machine, has this `Origin`: with encryption, too, if a server before this
-    /// one takes it off.
-    pub(super) fn is_origin(&self, origin: &str, host: &str) -> bool {
-        let is_host = |scheme| origin.strip_prefix(scheme) == Some(host);
-        ["http://", "https://"].into_iter().any(is_host) || self.origins.iter().any(|o| o == origin)
+    /// Whether a `Host` is a name or an address of this machine.
+    fn is_own(&self, host: &str, here: IpAddr) -> bool {
+        let Some(authority) = host.parse::<Authority>().ok().filter(is_plain) else { return false };
+        let name = authority.host().trim_matches(['[', ']']).to_ascii_lowercase();
+        if let Ok(ip) = name.parse::<IpAddr>() {
+            return ip == here || ip.is_loopback() || self.at.ip().is_unspecified();
+        }
+        // Who answers for names in the network may say that they are here.
+        let machine = self.machine.as_deref().filter(|_| !here.is_loopback());
+        let is_machine = |machine: &str| [machine, &format!("{machine}.local")].contains(&&*name);
+        name == "localhost"
+            || name == self.name.to_ascii_lowercase()
+            || machine.is_some_and(is_machine)
     }
 }
 
-/// The name of this machine.
-fn machine() -> String {
-    gethostname::gethostname().to_string_lossy().into_owned()
+/// The name of this machine in small letters, if it is one that may stand in a command and in an address.
+fn machine() -> Option<String> {
+    let name = gethostname::gethostname().to_string_lossy().to_ascii_lowercase();
+    let is_part = |c: char| c.is_ascii_alphanumeric() || ['-', '.'].contains(&c);
+    let is_name =
+        name.starts_with(|c: char| c.is_ascii_alphanumeric()) && name.chars().all(is_part);
+    is_name.then_some(name)
 }
 
 /// An address that leads to a server at `ip`: of a server at all addresses, the one that others see.

@@ -86,9 +86,8 @@ impl Site {
         let text = |name: header::HeaderName| one(request.headers(), &name);
         let host = text(header::HOST).ok_or(StatusCode::BAD_REQUEST)?;
         let origin = text(header::ORIGIN);
-        let is_own = origin.is_none_or(|origin| self.address.is_origin(origin, host));
-        if !self.address.is_own(host, here) || !is_own {
-            return Err(StatusCode::FORBIDDEN);
+        if origin.is_none() && request.headers().contains_key(header::ORIGIN) {
+            return Err(StatusCode::BAD_REQUEST);
         }
         let (token, resource) = request
             .uri()
@@ -96,14 +95,20 @@ impl Site {
             .strip_prefix('/')
             .and_then(|path| path.split_once('/'))
             .ok_or(StatusCode::NOT_FOUND)?;
-        if token == self.once && resource.is_empty() && !self.opened.swap(true, Ordering::Relaxed) {
-            return Ok(ONCE);
-        }
-        if token != self.token {
+        let is_once = token == self.once && resource.is_empty();
+        if token != self.token && !is_once {
             return Err(StatusCode::NOT_FOUND);
+        }
+        // Only who knows the address is told why.
+        if !self.address.lets_in(host, origin, here) {
+            return Err(StatusCode::FORBIDDEN);
         }
         if request.method() != Method::GET {
             return Err(StatusCode::METHOD_NOT_ALLOWED);
+        }
+        if is_once {
+            let is_first = !self.opened.swap(true, Ordering::Relaxed);
+            return if is_first { Ok(ONCE) } else { Err(StatusCode::NOT_FOUND) };
         }
         // A page of another site could open a WebSocket, but cannot hide where it is from.
         if resource == SOCKET && origin.is_none() {

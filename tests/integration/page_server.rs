@@ -38,6 +38,14 @@ const REFUSED: &str = "\
 403 GET /TOKEN/ Host:HOST Origin:http://127.0.0.1
 403 GET /TOKEN/ Host:elsewhere.example Origin:http://elsewhere.example
 403 GET /TOKEN/socket Host:HOST Origin:ftp://HOST
+400 GET /TOKEN/ Host:HOST Origin:null Origin:null
+404 GET / Host:elsewhere.example
+403 GET /TOKEN/ Host:localhost.:PORT
+403 GET /TOKEN/ Host:page.localhost:PORT
+403 GET /TOKEN/ Host:localhost:99999
+403 GET /TOKEN/ Host:0.0.0.0:PORT
+403 GET /TOKEN/ Host:
+403 GET /TOKEN/ Host::PORT
 403 GET /TOKEN/socket Host:HOST Origin:http://localhost:PORT
 403 GET /TOKEN/socket Host:HOST
 426 GET /TOKEN/socket Host:HOST Origin:http://HOST";

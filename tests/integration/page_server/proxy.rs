@@ -68,12 +68,16 @@ fn a_tunnel_and_servers_before_the_page_lead_to_it() {
     let path = asked(["localhost", "/below", "http://localhost"]);
     let below = proxy(usual.port, |head| head.replacen("/below/", "/", 1));
     let foreign = asked(["pages.example", "", "https://pages.example"]);
+    let other_port = asked(["pages.example:81", "", "https://pages.example:81"]);
+    let plain = asked(["pages.example", "", "http://pages.example"]);
     for (what, port, asked, shown, let_in) in [
         ("a tunnel", tunnel, &through_tunnel, &usual, [true; 2]),
         ("a server that takes encryption off", as_it_is(&usual), &secure, &usual, [true; 2]),
         ("a server with the page below a path", below, &path, &usual, [true; 2]),
         ("a server that is allowed", as_it_is(&allowed), &foreign, &allowed, [true; 2]),
         ("one that hides its name", renamed(&allowed), &foreign, &allowed, [true; 2]),
+        ("one of its name at another port", as_it_is(&allowed), &other_port, &allowed, [false; 2]),
+        ("one of its name without encryption", as_it_is(&allowed), &plain, &allowed, [true, false]),
         ("a server that is not allowed", as_it_is(&usual), &foreign, &usual, [false; 2]),
         ("one that hides its name", renamed(&usual), &foreign, &usual, [true, false]),
     ] {
