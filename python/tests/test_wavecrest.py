@@ -178,7 +178,7 @@ class Wavecrest(unittest.TestCase):
         subprocess.run(["wavecrest", "-q", path, theirs, "--width", "60", "--height", "40"], check=True)
         self.assertEqual(ours.with_suffix(".ppm").read_bytes(), theirs.read_bytes())
         with self.assertRaisesRegex(wavecrest.Error, "unknown image format"):
-            wavecrest.save(self.folder / "out.jpg", image)
+            wavecrest.save(self.folder / "out.pmp", image)
         with self.assertRaisesRegex(wavecrest.Error, "shape"):
             wavecrest.save(ours, image[..., 0])
 

@@ -59,8 +59,8 @@ def entry(function):
         get, put, usual = ENVIRONMENT
         found = FENV()
         get(found)
-        put(usual)
         try:
+            put(usual)
             return function(*args, **options)
         finally:
             put(found)
@@ -72,6 +72,6 @@ def _unknown(function, names, given):
     """The message about an argument of this name."""
     meant = OTHER_NAMES.get(given)
     if meant is None or meant.split()[0] not in names:
-        meant = _native.did_you_mean(given, list(names))
+        meant = _native.did_you_mean(given, [name for name in names if name != "self"])
     hint = f"did you mean {meant}?" if meant else f"it has {', '.join(name for name in names if name != 'self')}"
     return f"{function.__name__}: there is no argument {given}; {hint}"
