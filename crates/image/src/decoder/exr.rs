@@ -36,9 +36,8 @@ impl<'a> Exr<'a> {
     pub(super) fn new(content: Box<dyn Content + 'a>) -> ImageResult<Self> {
         let reader = exr::block::read(content, false).map_err(failed)?;
         let headers = reader.headers();
-        let choice = |part: &Header| {
-            Ok(colors(part)?.map(|found| can_read(part).map(|()| found)).transpose()?)
-        };
+        let choice =
+            |part: &Header| colors(part)?.map(|found| can_read(part).map(|()| found)).transpose();
         // One that can be read, even after others that cannot.
         let mut refused = None;
         for (part, header) in headers.iter().enumerate() {
@@ -81,7 +80,10 @@ fn colors(part: &Header) -> Result<Option<Colors>, Fault> {
         [] => Ok(None),
         [(_, colors)] | [("", colors), ..] => Ok(Some(colors)),
         [(_, Colors(first, _)), ..] => {
-            let channels = first.map(|channel| &*names[channel]).join(",");
+            // Grey is the same three times.
+            let mut channels = first.map(|channel| &*names[channel]).to_vec();
+            channels.dedup();
+            let channels = channels.join(",");
             let names = listed(found.iter().map(|(name, _)| (*name).to_owned()));
             Err(Fault {
                 message: format!("it has several layers of colours: {names}"),
