@@ -16,10 +16,10 @@ use wavecrest_core::kernels::light::Light;
 use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::plan::schedule::UNPLANNED;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_scene::components::Ground;
-use wavecrest_scene::hecs::Entity;
+use wavecrest_scene::components::Added;
 use wavecrest_scene::load::LoadedScene;
 use wavecrest_scene::systems::bounds;
+use wavecrest_scene::systems::looks::remove_added;
 
 /// Check a scene with all its meshes and textures, and list its contents.
 #[derive(Clone, Debug, clap::Args)]
@@ -40,9 +40,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         let mut files = vec![args.scene.clone()];
         let contents = |loaded: &mut LoadedScene| {
             // The contents are those of the file.
-            let grounds = loaded.world.query_mut::<(Entity, &Ground)>().into_iter();
-            let ground = grounds.map(|(entity, _)| entity).next();
-            let _ = ground.map(|ground| loaded.world.despawn(ground));
+            remove_added(&mut loaded.world, |added| added == Added::Ground);
             files.append(&mut loaded.files);
             Ok(())
         };

@@ -24,6 +24,9 @@ static IS_RECORDED: AtomicBool = AtomicBool::new(false);
 /// The recorded signal; 0 for none.
 static RECORDED: AtomicU8 = AtomicU8::new(0);
 
+/// Whether Ctrl-C is how the command ends.
+static IS_EXPECTED: AtomicBool = AtomicBool::new(false);
+
 /// The exit code of a process that a signal ended.
 pub(super) fn exit_code(signal: u8) -> u8 {
     SIGNALLED.saturating_add(signal)
@@ -52,6 +55,9 @@ pub(super) fn clean_up() {
                 continue;
             }
             remove_temporary_files();
+            if number == SIGINT && IS_EXPECTED.load(Ordering::Relaxed) {
+                low_level::exit(0);
+            }
             let name = signal_name(number).unwrap_or("a signal");
             crate::common::tell_last(&format!("stopped by {name}; {}", left()));
             if !is_recorded {
@@ -71,6 +77,11 @@ pub(super) fn clean_up() {
 /// Records the first signal from now on, as long as the process lives.
 pub(super) fn record() {
     IS_RECORDED.store(true, Ordering::Relaxed);
+}
+
+/// Ctrl-C ends the command from now on without a failure: nothing else does.
+pub(super) fn expect() {
+    IS_EXPECTED.store(true, Ordering::Relaxed);
 }
 
 /// The recorded signal, if any.

@@ -21,7 +21,7 @@ pub(crate) struct MergeArgs {
     /// Image to write: .png, .jpg, .ppm, .exr or .pfm
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: PathBuf,
-    /// Transfer function of 8-bit images (.ppm, .png) [default: that of the render]
+    /// Transfer function of 8-bit images (.ppm, .png, .jpg) [default: that of the render]
     #[arg(long, value_parser = choice::<Transfer>())]
     pub(crate) transfer: Option<Transfer>,
     /// Exposure and tone mapping

@@ -49,9 +49,6 @@ impl Metadata {
     }
 }
 
-/// The largest exposure in stops, in both directions.
-const STOPS: f32 = 64.0;
-
 /// How light is developed for 8-bit images.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct DevelopOptions {
@@ -70,6 +67,7 @@ impl From<DevelopOptions> for Develop {
 }
 
 fn stops(text: &str) -> std::result::Result<f32, String> {
-    let wrong = format!("use a number from -{STOPS} to {STOPS}");
-    number(text, |stops: &f32| stops.abs() <= STOPS, &wrong)
+    let most = Develop::MOST_STOPS;
+    let wrong = format!("use a number from -{most} to {most}");
+    number(text, |stops: &f32| stops.abs() <= most, &wrong)
 }

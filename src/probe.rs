@@ -80,7 +80,8 @@ fn check(args: &ProbeArgs, [width, height]: [u32; 2], samples: u32) -> Result<()
     }
 }
 
-fn text(record: &PixelRecord) -> String {
+/// What the rays of a pixel meet, in sentences.
+pub(crate) fn text(record: &PixelRecord) -> String {
     let mut text = String::new();
     let (samples, [x, y]) = (record.samples, record.pixel);
     let mut rest: Vec<&PathRecord> = record.paths.iter().collect();

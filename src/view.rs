@@ -2,6 +2,7 @@
 //!
 //! [`server`] talks to pages, [`painter`] has the scene and renders it; between them is the [`exchange`].
 
+mod address;
 mod exchange;
 mod line;
 mod page;
@@ -17,7 +18,6 @@ mod take_away;
 mod talk;
 
 use std::io::{self, Write};
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
@@ -27,6 +27,8 @@ use std::time::Duration;
 
 use super::common::{SPEED, SearchOptions, choice, command_words, print, tell, whole};
 use super::input::SceneOptions;
+use super::interrupt;
+use address::{Address, origin};
 use server::{Site, serve};
 use take_away::TakeAway;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -54,9 +56,15 @@ pub(crate) struct ViewArgs {
     /// Print the address only; open no browser
     #[arg(long, help_heading = PAGE)]
     pub(crate) no_open: bool,
-    /// Address to listen at, for other machines: whoever knows the page's address sees the scene
-    #[arg(long, help_heading = PAGE, value_name = "ADDRESS", default_value_t = Ipv4Addr::LOCALHOST.into())]
-    pub(crate) listen: IpAddr,
+    /// Name or address to listen at, for other machines: whoever knows the page's address sees the scene
+    #[arg(long, help_heading = PAGE, value_name = "ADDRESS", default_value = "127.0.0.1")]
+    pub(crate) listen: String,
+    /// Port to listen at [default: any that is free]
+    #[arg(long, help_heading = PAGE, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub(crate) port: u16,
+    /// Address of another server that leads to the page, with its scheme
+    #[arg(long, help_heading = PAGE, value_name = "ADDRESS", value_parser = origin)]
+    pub(crate) allow_origin: Vec<String>,
     /// Show geometry or materials instead of lighting
     #[arg(long = "as", value_name = "LOOK", value_parser = choice::<Look>())]
     pub(crate) look: Option<Look>,
@@ -91,12 +99,13 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
         let error = Error::new(ErrorKind::Usage, "a page shows no transparent background");
         return Err(error.remedy("leave out --background, or use a colour"));
     }
-    let address = SocketAddr::new(args.listen, 0);
+    let (name, port) = (&args.listen, args.port);
     let cannot = |e: io::Error| {
-        let message = format!("cannot serve the page at {address}: {e}");
-        Error::new(ErrorKind::Io, message).remedy("use another --listen").because(e)
+        let message = format!("cannot serve the page at {name}, port {port}: {e}");
+        Error::new(ErrorKind::Io, message).remedy("use another --listen or --port").because(e)
     };
-    let listener = TcpListener::bind(address).map_err(cannot)?;
+    let (listener, address) = Address::listen(name, port, &args.allow_origin).map_err(cannot)?;
+    interrupt::expect();
     let words = &command_words();
     let site = Arc::new(Site {
         exchange: Arc::default(),
@@ -105,14 +114,19 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
         token: token()?,
         once: token()?,
         opened: AtomicBool::new(false),
-        address: listener.local_addr().map_err(cannot)?,
+        address,
     });
-    if !args.listen.is_loopback() {
+    let tunnel = site.address.tunnel();
+    if tunnel.is_none() {
         tell(
             "warning: other machines can reach the page; leave out --listen to keep it to this one",
         );
     }
-    print(&format!("{}\n", site.url(&site.token)))?;
+    if !args.scene_options.quiet {
+        let from = tunnel.map_or(String::new(), |ssh| format!(" From another machine: {ssh}"));
+        tell(&format!("Open this address in a browser; Ctrl-C ends the page.{from}"));
+    }
+    print(&format!("{}\n", site.address.url(&site.token)))?;
     let _ = io::stdout().flush();
     let served = Arc::clone(&site);
     let serving = thread::Builder::new().spawn(move || {
@@ -121,7 +135,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
         }
     });
     serving.map_err(cannot)?;
-    if !args.no_open && open(&site.url(&site.once)).is_err() {
+    if !args.no_open && open(&site.address.url(&site.once)).is_err() {
         tell("note: no browser could be opened; open the address in one");
     }
     let painted =

@@ -31,23 +31,21 @@ pub(crate) fn start(threads: usize) -> PyResult<ThreadPool> {
     threads.build().map_err(|error| Error::new_err(format!("cannot start the threads: {error}")))
 }
 
-/// The threads of queries of rays, one for each core, which stay. Those of a parent process do not run in one that was
-/// forked from it, which gets its own: for each, its number.
-static POOLS: Mutex<Vec<(u32, &ThreadPool)>> = Mutex::new(Vec::new());
+/// The threads on which everything but renders works, one for each core, which stay: with the number of their process, as
+/// those of a parent do not run in one that was forked from it, which gets its own.
+static POOL: Mutex<Option<(u32, &ThreadPool)>> = Mutex::new(None);
 
-/// Does `work` on them, without the GIL.
+/// Does `work` on them, without the GIL. Nothing may ask for threads elsewhere: it would get rayon's own, which are missing
+/// after a fork.
 pub(crate) fn on_threads<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
-    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut known = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     let process = std::process::id();
-    let pool = match pools.iter().find(|(owner, _)| *owner == process) {
-        Some((_, pool)) => *pool,
-        None => {
-            let pool: &ThreadPool = Box::leak(Box::new(start(0)?));
-            pools.push((process, pool));
-            pool
-        }
+    let pool = match *known {
+        Some((owner, pool)) if owner == process => pool,
+        _ => Box::leak(Box::new(start(0)?)),
     };
-    drop(pools);
+    *known = Some((process, pool));
+    drop(known);
     Ok(py.detach(|| pool.install(work)))
 }
 

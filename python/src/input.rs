@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use wavecrest_api::glam::DVec3;
 use wavecrest_api::{self as api, Choice};
 
 use super::base::Error;
@@ -32,8 +33,13 @@ impl<'py> Options<'py> {
 
     /// How input is loaded.
     pub(crate) fn loading(&self) -> PyResult<api::LoadOptions> {
+        let eye = self.get::<[f64; 3]>("eye")?;
+        let look = self.get::<[f64; 3]>("target")?.map(DVec3::from);
         let framing = api::Framing {
-            side: self.parsed("view")?,
+            side: match eye {
+                Some(eye) => Some(api::Side::Point { eye: eye.into(), look }),
+                None => self.parsed("view")?,
+            },
             up: self.named("up")?,
             fov: self.parsed("fov")?,
             fit: self.parsed("fit")?,
@@ -65,7 +71,12 @@ impl<'py> Options<'py> {
 
 /// The choice with that name.
 pub(crate) fn named<T: Choice>(key: &str, name: &str) -> PyResult<T> {
-    let names = || T::VALUES.iter().map(|value| value.name()).collect::<Vec<_>>().join(", ");
-    let wrong = || Error::new_err(format!("{key}: must be one of {}, found {name:?}", names()));
+    let names = || T::VALUES.iter().map(|value| value.name());
+    let wrong = || {
+        let near = api::did_you_mean(name, names());
+        let hint = near.map(|near| format!("; did you mean {near}?")).unwrap_or_default();
+        let names = names().collect::<Vec<_>>().join(", ");
+        Error::new_err(format!("{key}: must be one of {names}, found {name:?}{hint}"))
+    };
     T::by_name(name).ok_or_else(wrong)
 }

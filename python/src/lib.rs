@@ -20,7 +20,7 @@ use pyo3::types::PyDict;
 use wavecrest_api as api;
 
 use arrays::vectors;
-use base::{Error, exception};
+use base::{Error, exception, on_threads};
 use input::Options;
 
 /// The origin of a mesh with this first vertex: zero unless that is far from it.
@@ -55,8 +55,14 @@ fn save(
     let alpha = alpha.map(|alpha| alpha.as_slice().map(<[f32]>::to_vec)).transpose()?;
     let channel = alpha.map(|alpha| api::Channel { name, values: api::Values::Floats(alpha) });
     let extras = api::Extras { channels: channel.as_slice(), ..Default::default() };
-    let written = py.detach(|| api::write_image_with(&film, &path, transfer, &extras));
-    written.map_err(exception)
+    let write = || api::write_image_with(&film, &path, transfer, &extras);
+    on_threads(py, write)?.map_err(exception)
+}
+
+/// The name, of `names`, that was likely meant by a word.
+#[pyfunction]
+fn did_you_mean(word: &str, names: Vec<String>) -> Option<String> {
+    api::did_you_mean(word, names.iter().map(String::as_str)).map(str::to_owned)
 }
 
 #[pymodule]
@@ -66,11 +72,13 @@ mod _native {
     #[pymodule_export]
     use super::shapes::{load, mesh, scene};
     #[pymodule_export]
-    use super::{Error, origin, save, srgb_levels};
+    use super::{Error, did_you_mean, origin, save, srgb_levels};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     const MOST_SAMPLES: u32 = super::api::MOST_SAMPLES;
+    #[pymodule_export]
+    const MOST_STOPS: f32 = super::api::Develop::MOST_STOPS;
 }

@@ -72,6 +72,8 @@ struct Task {
     source: Source,
     options: api::LoadOptions,
     precision: api::Precision,
+    /// What becomes of the light.
+    develop: api::Develop,
     rendering: api::RenderOptions,
     /// By what the samples of a pixel are chosen, unless they are those of the scene.
     goal: Option<Goal>,
@@ -111,22 +113,28 @@ impl Task {
             layers.push(api::Layer::Alpha);
         }
         let precision = given.named("precision")?.unwrap_or_default();
+        let develop = api::Develop {
+            exposure: given.get("exposure")?.unwrap_or_default(),
+            tone: given.named("tone")?.unwrap_or_default(),
+        };
         let source = Source::new(kind, source)?;
         let seed = given.get("seed")?.unwrap_or_default();
         let rendering = api::RenderOptions { seed, ..Default::default() };
-        Ok(Self { source, options, precision, rendering, goal, pose, layers })
+        Ok(Self { source, options, precision, develop, rendering, goal, pose, layers })
     }
 
     fn run(self, cancel: &AtomicBool) -> api::Result<Image> {
-        let Self { source, options, precision, rendering, goal, pose, layers } = self;
+        let Self { source, options, precision, develop, rendering, goal, pose, layers } = self;
         let mut loaded = source.load(options)?;
         if let Some(pose) = pose {
             place_camera(&mut loaded.world, pose);
         }
-        let options = SceneOptions { precision, ..SceneOptions::default() };
+        let exposure = develop.factor();
+        let options = SceneOptions { precision, exposure, ..SceneOptions::default() };
+        let is_developed = develop != api::Develop::default();
         let mut session = Session::of(loaded, &options, |extracted| {
             let pixels: u64 = extracted.scene().camera.size().map(u64::from).iter().product();
-            let film = pixels * size_of::<[f32; 3]>() as u64;
+            let film = pixels * size_of::<[f32; 3]>() as u64 * (1 + u64::from(is_developed));
             check_room(tree_bytes(extracted.geometry().held()) + film, "the render")
         })?;
         let until = &Until(cancel);
@@ -153,7 +161,18 @@ impl Task {
             }
         };
         let channels = channels(scene, rendered.counters.invalid, None)?;
-        Ok((rendered.film, channels, session.warnings))
+        let film = if is_developed {
+            let alpha = channels.iter().find_map(|channel| match &channel.values {
+                api::Values::Floats(all) if channel.name == api::Layer::Alpha.channels()[0] => {
+                    Some(&all[..])
+                }
+                _ => None,
+            });
+            develop.film(&rendered.film, alpha)
+        } else {
+            rendered.film
+        };
+        Ok((film, channels, session.warnings))
     }
 }
 

@@ -85,7 +85,8 @@ pub(crate) fn mesh(
     bvh: Option<&str>,
 ) -> PyResult<Shapes> {
     let mesh = mesh.data()?;
-    api::mesh::validate(&mesh, Path::new("vertices and faces")).map_err(exception)?;
+    let name = Path::new("vertices and faces");
+    on_threads(py, || api::mesh::validate(&mesh, name))?.map_err(exception)?;
     let vertices = vertices.map(|vertices| vectors(&vertices)).transpose()?;
     let api::MeshData { positions, origin, triangles, .. } = mesh;
     let geometry = Geometry { positions, triangles, ..Geometry::default() };

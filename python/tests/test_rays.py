@@ -1,8 +1,13 @@
 """Queries of rays, against trimesh and against exact arithmetic: python -m unittest discover python/tests."""
 
 import copy
+import ctypes
+import hashlib
+import importlib
+import mmap
 import multiprocessing
 import pickle
+import platform
 import re
 import subprocess
 import sys
@@ -10,6 +15,7 @@ import tempfile
 import unittest
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 try:
     import numpy as np
@@ -333,7 +339,7 @@ class Rays(unittest.TestCase):
             wavecrest.Mesh(CORNERS, [[0, 1, 8]])
         with self.assertRaisesRegex(wavecrest.Error, "vertex 0"):
             wavecrest.Mesh(CORNERS * np.nan, CUBE)
-        with self.assertRaisesRegex(TypeError, "vertices: must be a path, a mesh, or vertices with faces, found 7"):
+        with self.assertRaisesRegex(TypeError, "vertices: must be a path, a mesh of .*, or vertices with faces, found 7"):
             wavecrest.Mesh(7)
         with self.assertRaisesRegex(wavecrest.Error, "max_hits: must be a whole number, found -1"):
             mesh.ray.intersects_id([[0, 0, 1]], [[0, 0, 1]], max_hits=-1)
@@ -370,18 +376,97 @@ class Rays(unittest.TestCase):
         self.assertEqual(repr(scene), "<wavecrest.Scene(geometries=2, instances=4)>")
         self.assertEqual(wavecrest.Scene([]).any([0, 0, 0], [0, 0, 1]).tolist(), [False])
 
+    def test_meshes_of_other_packages_are_taken_as_they_are(self):
+        expected = wavecrest.Mesh(CORNERS, CUBE).closest([[0.5, 0.25, 9]], [[0, 0, -1]])
+        padded = np.insert(np.array(CUBE), 0, 3, axis=1).ravel()
+        for mesh in (SimpleNamespace(points=CORNERS, faces=padded), SimpleNamespace(points=CORNERS, faces=CUBE),
+                     SimpleNamespace(points=CORNERS, regular_faces=CUBE), SimpleNamespace(vertices=CORNERS, triangles=CUBE)):
+            self.assertEqual(wavecrest.Mesh(mesh).closest([[0.5, 0.25, 9]], [[0, 0, -1]]), expected)
+        for faces, found in (([4, 0, 1, 2, 3], "4"), ([3, 0, 1, 2, 3], "a part of one"), ([3, 0, 1, 2, 4, 0, 1, 2], "4")):
+            with self.assertRaisesRegex(wavecrest.Error, rf"must be triangles, .*, found {found}; pass mesh.triangulate"):
+                wavecrest.Mesh(SimpleNamespace(points=CORNERS, faces=faces))
+        with self.assertRaisesRegex(TypeError, r"must be a path, a mesh of trimesh, PyVista \(PolyData\) or Open3D, or vert"):
+            wavecrest.Mesh(SimpleNamespace(points=CORNERS))
+
+    def test_meshes_of_pyvista_and_open3d(self):
+        for name, make in (("pyvista", lambda kit: kit.Sphere()),
+                           ("open3d", lambda kit: kit.geometry.TriangleMesh.create_sphere())):
+            with self.subTest(name):
+                try:
+                    mesh = make(importlib.import_module(name))
+                except ImportError:
+                    self.skipTest(f"there is no {name}")
+                self.assertTrue(wavecrest.Mesh(mesh).contains([[0, 0, 0]])[0])
+
     @unittest.skipUnless("fork" in multiprocessing.get_all_start_methods(), "there is no fork")
     def test_a_forked_process_has_threads_of_its_own(self):
-        mesh = wavecrest.Mesh(CORNERS, CUBE)
-        origins = np.tile([[0.5, 0.25, 9]], (20_000, 1))
-        expected = mesh.any(origins, -origins)
+        expected = everything(*inputs())
         with multiprocessing.get_context("fork").Pool(1) as pool:
-            child = pool.apply_async(mesh_any, (origins,))
-            np.testing.assert_array_equal(child.get(timeout=30), expected)
+            self.assertEqual(pool.apply_async(everything, inputs()).get(timeout=60), expected)
+
+    @unittest.skipUnless(platform.machine() in ("x86_64", "AMD64") and sys.platform != "win32", "another processor")
+    def test_answers_do_not_depend_on_the_state_of_the_processor(self):
+        found = {}
+        for state in ("1f80", "9fc0", "3f80", "5f80", "7f80"):
+            ended = subprocess.run([sys.executable, __file__, STATE, state], capture_output=True, text=True, timeout=60)
+            if ended.returncode == CANNOT_SET:
+                self.skipTest("the system forbids to set it")
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            found[state] = ended.stdout
+        self.assertEqual(set(found.values()), {found["1f80"]})
 
 
-def mesh_any(origins):
-    return wavecrest.Mesh(CORNERS, CUBE).any(origins, -origins)
+def inputs():
+    """Vertices, so many that work on them has several threads; rays; tiny vertices; an image."""
+    cells = np.arange(2, 400_000, 7, dtype=float)
+    vertices = np.stack([np.sin(cells), np.cos(3 * cells), cells / 1e6], -1)
+    tiny = CORNERS.astype("float32") * np.float32(1e-39)
+    return vertices, vertices[::50] * 1.1, -vertices[::50], tiny, np.linspace(0, 1, 90_000, dtype="float32").reshape(100, 300, 3)
+
+
+def everything(vertices, origins, directions, tiny, image):
+    """A hash of what all kinds of work give."""
+    faces = np.arange(len(vertices) // 3 * 3).reshape(-1, 3)
+    mesh = pickle.loads(pickle.dumps(wavecrest.Mesh(vertices, faces, normals=vertices)))
+    tiny = wavecrest.Mesh(tiny, CUBE)
+    scene = wavecrest.Scene([mesh, (mesh, np.diag([1.1, 0.7, 0.3, 1]))])
+    found = [*mesh.closest(origins, directions), mesh.any(origins, directions), *mesh.all(origins, directions),
+             mesh.contains(origins), *mesh.cast(origins, directions).values(), *scene.cast(origins, directions).values(),
+             *tiny.cast([[4e-40, 2e-40, 1]], [[0, 0, -1]]).values(), tiny.vertices]
+    found.append(wavecrest.render(vertices[:3000], faces[:1000], width=64, height=48))
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("image.png", "image.exr"):
+            path = Path(folder) / name
+            wavecrest.save(path, image)
+            found.append(np.fromfile(path, "uint8"))
+    return hashlib.sha256(b"".join(np.ascontiguousarray(one).tobytes() for one in found)).hexdigest()
+
+
+# Asks this file for a hash with a state of the processor.
+STATE = "--state"
+
+# The exit code where the state of the processor cannot be set.
+CANNOT_SET = 77
+
+
+def with_state(state):
+    """Prints a hash of everything where the register MXCSR has this value, and fails if that changes."""
+    try:
+        # stmxcsr [rdi]; ret; ldmxcsr [rdi]; ret
+        code = mmap.mmap(-1, mmap.PAGESIZE, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC)
+    except OSError:
+        return CANNOT_SET
+    code.write(bytes.fromhex("0fae1fc3 0fae17c3"))
+    start = ctypes.addressof(ctypes.c_char.from_buffer(code))
+    get, put = (ctypes.PYFUNCTYPE(None, ctypes.c_void_p)(start + at) for at in (0, 4))
+    given, register = inputs(), ctypes.c_uint32(int(state, 16))
+    put(ctypes.byref(register))
+    digest = everything(*given)
+    get(ctypes.byref(register))
+    put(ctypes.byref(ctypes.c_uint32(0x1F80)))
+    # The lowest six bits say what happened.
+    print(digest, file=sys.stdout if register.value & ~0x3F == int(state, 16) else sys.stderr)
+    return 0
 
 
 @unittest.skipUnless(trimesh, WITHOUT)
@@ -482,4 +567,6 @@ class Trimesh(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    if sys.argv[1:2] == [STATE]:
+        sys.exit(with_state(sys.argv[2]))
     unittest.main()

@@ -132,6 +132,12 @@ class Visuals(unittest.TestCase):
         np.testing.assert_array_equal(render(scene, **options), image)
         self.assertGreater(np.abs(render(scene, camera=scene.camera_transform) - image).max(), 0.1)
 
+    def test_a_list_with_colors_is_a_scene(self):
+        plain, red = ball(), ball(vertex_colors=[255, 0, 0, 255])
+        plain.apply_translation([4, 0, 0])
+        np.testing.assert_array_equal(render([plain, red]), render(trimesh.Scene([plain, red])))
+        self.assertIsNone(plain.visual.kind, "unchanged")
+
     def test_colors_far_from_zero_are_as_near_it(self):
         mesh = ball(vertex_colors=[255, 128, 0, 255])
         far = mesh.copy()

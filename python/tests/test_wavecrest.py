@@ -123,6 +123,46 @@ class Wavecrest(unittest.TestCase):
         white = wavecrest.render(path, width=60, height=40, background=(1, 1, 1))
         np.testing.assert_array_equal(wavecrest.render(path, width=60, height=40, background="#ffffff"), white)
 
+    def test_a_camera_by_two_points_and_developed_light_are_those_of_the_command(self):
+        path, out, ours = self.ply(), self.folder / "out.png", self.folder / "ours.png"
+        command = ["wavecrest", "-q", path, out, "--metadata", "none", "--size", "60x40", "--from", "3,4,5", "--at", "0,1,0"]
+        command += ["--exposure", "1.5", "--tone", "filmic"]
+        options = {"eye": (3, 4, 5), "target": np.array([0, 1, 0]), "exposure": 1.5, "tone": "filmic", "width": 60, "height": 40}
+        for more in ([], ["--background", "transparent"]):
+            subprocess.run(command + more, check=True)
+            wavecrest.save(ours, wavecrest.render(path, **options, **{"background": text for text in more[1:]}))
+            self.assertEqual(ours.read_bytes(), out.read_bytes())
+        middle = wavecrest.render(path, eye=[3, 4, 5], width=60, height=40)
+        self.assertGreater(np.abs(middle - wavecrest.render(path, width=60, height=40)).max(), 0.01)
+        self.assert_refused("eye: cannot be used with view", path, eye=(3, 4, 5), view="front")
+        self.assert_refused("target: needs eye", path, target=(3, 4, 5))
+        self.assert_refused("eye: must be three numbers", path, eye=(3, 4, np.nan))
+        self.assert_refused("would be at the point it looks at", path, eye=(3, 4, 5), target=(3, 4, 5))
+        self.assert_refused("exposure: must be a number from -64 to 64, found 65", path, exposure=65)
+
+    def test_wrong_names_are_answered_by_the_right_ones(self):
+        for given, meant in {"widht": "width", "spp": "samples", "from_": "eye", "size": "width and height"}.items():
+            with self.assertRaisesRegex(TypeError, f"render: there is no argument {given}; did you mean {meant}?"):
+                wavecrest.render(SCENE, **{given: 3})
+        with self.assertRaisesRegex(TypeError, "closest: there is no argument q; it has origins, directions, t_min, t_max"):
+            wavecrest.Mesh(VERTICES, FACES).closest([0, 0, 0], [0, 0, 1], q=1)
+        self.assert_refused('must be one of clip, filmic, found "filmik"; did you mean filmic?', SCENE, tone="filmik")
+
+    def test_a_list_of_meshes_is_one_scene(self):
+        class Part:
+            faces = FACES
+
+            def __init__(self, x):
+                self.vertices = np.array(VERTICES) + [x, 0, 0]
+
+        both = np.concatenate([Part(0).vertices, Part(3).vertices]), FACES + [[i + 5 for i in face] for face in FACES]
+        expected = wavecrest.render(*both, width=64, height=48)
+        np.testing.assert_array_equal(wavecrest.render([Part(0), Part(3)], width=64, height=48), expected)
+        with self.assertRaisesRegex(TypeError, "scene: must be .* a list of meshes"):
+            wavecrest.render([Part(0), 7])
+        Part.faces = [[0, 1, 5]]
+        self.assert_refused("scene[0]: faces[0]: must be indices", [Part(0)])
+
     def test_a_dict_may_hold_values_of_numpy(self):
         scene = json.loads(json.dumps(SCENE))
         scene["camera"].update(location=np.array([0, 1, 5.0]), width=np.int64(64), fov=np.float32(40))
@@ -138,7 +178,7 @@ class Wavecrest(unittest.TestCase):
         subprocess.run(["wavecrest", "-q", path, theirs, "--width", "60", "--height", "40"], check=True)
         self.assertEqual(ours.with_suffix(".ppm").read_bytes(), theirs.read_bytes())
         with self.assertRaisesRegex(wavecrest.Error, "unknown image format"):
-            wavecrest.save(self.folder / "out.jpg", image)
+            wavecrest.save(self.folder / "out.pmp", image)
         with self.assertRaisesRegex(wavecrest.Error, "shape"):
             wavecrest.save(ours, image[..., 0])
 
@@ -273,7 +313,7 @@ class Wavecrest(unittest.TestCase):
         for key, value in wrong_types.items():
             with self.assertRaisesRegex(TypeError, f"{key}: must be .*, found {value!r}"):
                 wavecrest.render(VERTICES, FACES, **{key: value})
-        with self.assertRaisesRegex(TypeError, "scene: must be a path, a dict, a mesh, a scene of trimesh, or vertices with faces"):
+        with self.assertRaisesRegex(TypeError, "scene: must be a path, a dict, a mesh of trimesh, .*, or vertices with faces"):
             wavecrest.render(7)
         with self.assertRaisesRegex(TypeError, "path: must be a path, found 7"):
             wavecrest.save(7, np.zeros((1, 1, 3)))

@@ -6,18 +6,22 @@ from functools import partial
 import numpy as np
 
 from . import _arrays, _native
+from ._entry import entry
 from ._images import render, save
 from ._native import Error, __version__
 
 __all__ = ["Error", "Mesh", "RayMeshIntersector", "Scene", "render", "save"]
 
+# What a mesh is made of, for messages.
+WHAT = f"a path, {_arrays.A_MESH}, or vertices with faces"
+
 
 class Mesh:
     """A mesh of triangles, for queries of rays and points.
 
-    Mesh(vertices, faces) takes arrays of the shapes (N, 3) and (M, 3), Mesh(mesh) one of trimesh or another object
-    with vertices and faces, Mesh(path) and Mesh.load(path) a file (PLY, OBJ, STL). normals and uvs are those of
-    vertices, (N, 3) and (N, 2), or of the corners of faces, (M, 3, 3) and (M, 3, 2); files have their own, and a mesh
+    Mesh(vertices, faces) takes arrays of the shapes (N, 3) and (M, 3), Mesh(mesh) one of trimesh, Open3D or PyVista, or
+    another object with vertices and faces, or triangles, Mesh(path) and Mesh.load(path) a file (PLY, OBJ, STL). normals and
+    uvs are those of vertices, (N, 3) and (N, 2), or of the corners of faces, (M, 3, 3) and (M, 3, 2); files have their own, and a mesh
     of trimesh its texture coordinates. bvh is the quality of the search tree, "fast" by default: "fastest" is built
     sooner, "on-demand" pays for fewer rays than faces.
 
@@ -42,6 +46,7 @@ class Mesh:
     [0] [5.]
     """
 
+    @entry
     def __init__(self, vertices, faces=None, *, normals=None, uvs=None, bvh=None):
         points, faces = _arrays.parts(vertices, faces)
         if faces is not None:
@@ -56,11 +61,11 @@ class Mesh:
         elif normals is not None or uvs is not None:
             raise Error("normals, uvs: only for vertices with faces")
         else:
-            path = _arrays.path("vertices", "a path, a mesh, or vertices with faces", vertices)
+            path = _arrays.path("vertices", WHAT, vertices)
             (points, faces, normals, uvs), origin, told = _native.load(path)
             points = points + np.array(origin) if any(origin) else points
             for text in told:
-                warnings.warn(text, stacklevel=2)
+                warnings.warn(text, stacklevel=3)
         positions, origin = _arrays.relative(points)
         is_rounded = points.dtype == np.float64 and (positions + np.array(origin) != points).any()
         self._shapes = _native.mesh(
@@ -70,16 +75,19 @@ class Mesh:
         self._bvh = bvh or "fast"
 
     @staticmethod
+    @entry
     def load(path, *, bvh=None):
         """The mesh of a file: PLY, OBJ or STL."""
-        return Mesh(_arrays.path("vertices", "a path, a mesh, or vertices with faces", path), bvh=bvh)
+        return Mesh(_arrays.path("path", "a path", path), bvh=bvh)
 
     @property
+    @entry
     def vertices(self):
         """The vertices, shape (N, 3), as they were given."""
         return self._vertices.astype("float64")
 
     @property
+    @entry
     def faces(self):
         """The vertex indices of the faces, shape (M, 3)."""
         return self._faces.astype("int64")
@@ -99,6 +107,7 @@ class Mesh:
         """The same queries with the names, arguments and results of trimesh."""
         return RayMeshIntersector(self)
 
+    @entry
     def closest(self, origins, directions, *, t_min=None, t_max=None):
         """The closest hits of rays: faces and distances. A miss has the face -1 and the distance inf.
 
@@ -106,10 +115,12 @@ class Mesh:
         """
         return self._shapes.closest(self._rays(origins, directions, t_min, t_max))
 
+    @entry
     def any(self, origins, directions, *, t_min=None, t_max=None):
         """Whether rays hit anything."""
         return self._shapes.any(self._rays(origins, directions, t_min, t_max))
 
+    @entry
     def all(self, origins, directions, *, t_min=None, t_max=None):
         """Every surface on rays, once: for each the number of the ray, the face and the distance, in the order of rays,
         then of distances, then of faces.
@@ -123,6 +134,7 @@ class Mesh:
         numbers, faces, distances = self._shapes.hits(rays, True, True, None, ["rays", "faces", "distances"])
         return numbers, faces, distances.astype("float32") if rays[-1] else distances
 
+    @entry
     def cast(self, origins, directions, *, t_min=None, t_max=None):
         """The closest hits as arrays by name, of which each has a row for each ray:
 
@@ -139,6 +151,7 @@ class Mesh:
         _interpolate(hits, [self], np.minimum(hits["faces"], 0))
         return hits
 
+    @entry
     def contains(self, points, rule=None):
         """Whether points are inside a closed mesh. Rays from there cross it, as all counts, by the rule "parity" an odd
         number of times; by "winding", from inside to outside more or less often than the other way, so that what is in
@@ -181,6 +194,7 @@ class Scene:
     Otherwise queries are those of Mesh. A scene has search trees of its own.
     """
 
+    @entry
     def __init__(self, instances):
         self._instances = [_instance(number, one) for number, one in enumerate(instances)]
         self._meshes = list(dict.fromkeys(mesh for mesh, _ in self._instances))
@@ -193,6 +207,7 @@ class Scene:
         except np.linalg.LinAlgError:
             raise Error("instances: a matrix must have an inverse") from None
 
+    @entry
     def cast(self, origins, directions, *, t_min=None, t_max=None):
         """The closest hits, as Mesh.cast returns them, with the number of the geometry and that of the instance besides,
         geometries and instances, both -1 for a miss. Normals are those in the space of the scene.
@@ -204,6 +219,7 @@ class Scene:
         _interpolate(hits, self._meshes, hits["geometries"], self._inverses)
         return hits
 
+    @entry
     def any(self, origins, directions, *, t_min=None, t_max=None):
         """Whether rays hit anything."""
         return self._shapes.any(_arrays.rays(origins, directions, t_min, t_max))
@@ -231,6 +247,7 @@ class RayMeshIntersector:
         self.mesh = mesh if is_mesh else Mesh(mesh)
         self._known = (None, None)
 
+    @entry
     def intersects_id(self, ray_origins, ray_directions, multiple_hits=True, max_hits=None, return_locations=False):
         """The hits of rays: index_tri, index_ray, and with return_locations the locations.
 
@@ -241,19 +258,23 @@ class RayMeshIntersector:
         most = _arrays.whole("max_hits", "a whole number", max_hits)
         return tuple(self._current()._shapes.hits(rays, multiple_hits, False, most, columns))
 
+    @entry
     def intersects_location(self, ray_origins, ray_directions, multiple_hits=True, max_hits=None):
         """The locations of hits, and for each the index of the ray and of the face."""
         faces, rays, locations = self.intersects_id(ray_origins, ray_directions, multiple_hits, max_hits, True)
         return locations, rays, faces
 
+    @entry
     def intersects_first(self, ray_origins, ray_directions):
         """The first face that each ray hits, or -1."""
         return self._current()._shapes.closest(_their_rays(ray_origins, ray_directions, True))[0]
 
+    @entry
     def intersects_any(self, ray_origins, ray_directions):
         """Whether each ray hits anything."""
         return self._current()._shapes.any(_their_rays(ray_origins, ray_directions))
 
+    @entry
     def contains_points(self, points):
         """Whether each point is inside the mesh, by parity."""
         return self._current().contains(points)

@@ -19,6 +19,24 @@ class _Mesh(Protocol):
     @property
     def faces(self) -> Any: ...
 
+class _Triangles(Protocol):
+    """Such as open3d.geometry.TriangleMesh."""
+
+    @property
+    def vertices(self) -> Any: ...
+    @property
+    def triangles(self) -> Any: ...
+
+class _Points(Protocol):
+    """Such as pyvista.PolyData."""
+
+    @property
+    def points(self) -> Any: ...
+    @property
+    def faces(self) -> Any: ...
+
+_AnyMesh: TypeAlias = _Mesh | _Triangles | _Points
+
 class _Scene(Protocol):
     """Such as trimesh.Scene."""
 
@@ -45,7 +63,7 @@ class Mesh:
     @overload
     def __init__(
         self,
-        vertices: str | PathLike[str] | _Mesh,
+        vertices: str | PathLike[str] | _AnyMesh,
         faces: None = None,
         *,
         normals: ArrayLike | None = None,
@@ -120,7 +138,7 @@ class Scene:
     ) -> NDArray[bool_]: ...
 
 class RayMeshIntersector:
-    def __init__(self, mesh: Mesh | _Mesh | str | PathLike[str]) -> None: ...
+    def __init__(self, mesh: Mesh | _AnyMesh | str | PathLike[str]) -> None: ...
     @property
     def mesh(self) -> Any: ...
     # index_tri (H,), index_ray (H,), locations (H, 3)
@@ -162,6 +180,8 @@ class _Options(TypedDict, total=False):
     width: int | None
     height: int | None
     camera: str | ArrayLike | None
+    eye: ArrayLike | None
+    target: ArrayLike | None
     view: str | tuple[float, float] | None
     up: str | None
     fov: float | None
@@ -177,8 +197,10 @@ class _Options(TypedDict, total=False):
     threads: int | None
     normals: ArrayLike | None
     colors: ArrayLike | None
+    exposure: float | None
+    tone: Literal["clip", "filmic"] | None
 
-_Renderable: TypeAlias = str | PathLike[str] | dict[str, Any] | _Mesh | _Scene | ArrayLike
+_Renderable: TypeAlias = str | PathLike[str] | dict[str, Any] | _AnyMesh | list[_AnyMesh] | _Scene | ArrayLike
 
 # (height, width, 3); (height, width, 4) with a transparent background
 @overload

@@ -11,6 +11,9 @@ from . import _native
 # Messages quote no more characters of a value.
 LONGEST_VALUE = 80
 
+# The objects that are meshes, for messages.
+A_MESH = "a mesh of trimesh, PyVista (PolyData) or Open3D"
+
 
 def wrong(name, what, value):
     """The message about an argument that is not `what` it must be."""
@@ -98,8 +101,45 @@ def rows(name, value):
 
 
 def parts(mesh, faces):
-    """Vertices and faces, also of an object that has them; for anything else, faces are None."""
-    return (mesh.vertices, mesh.faces) if faces is None and hasattr(mesh, "faces") else (mesh, faces)
+    """Vertices and faces, also of an object that has them, as those of trimesh (and wavecrest.Mesh), Open3D and PyVista
+    do; for anything else, faces are None."""
+    if faces is not None:
+        return mesh, faces
+    for points, numbers in (("vertices", "faces"), ("vertices", "triangles"), ("points", "faces"), ("points", "regular_faces")):
+        if hasattr(mesh, points) and hasattr(mesh, numbers):
+            vertices, faces = getattr(mesh, points), getattr(mesh, numbers)
+            return vertices, faces if points == "vertices" else _unpadded(faces)
+    return mesh, None
+
+
+def _unpadded(faces):
+    """Faces (M, 3), also those of a flat list in which the number of its corners stands before each."""
+    faces = converted("faces", faces, "int64")
+    if faces.ndim != 1:
+        return faces
+    counts = faces[::4]
+    if len(faces) % 4 or (counts != 3).any():
+        found = next((count for count in counts.tolist() if count != 3), "a part of one")
+        raise _native.Error(f"faces: must be triangles, [3, a, b, c, 3, ...], found {found}; pass mesh.triangulate()")
+    return faces.reshape(-1, 4)[:, 1:]
+
+
+def joined(meshes):
+    """The vertices and faces of all meshes of a list; for anything else, faces are None."""
+    made = []
+    for number, one in enumerate(meshes):
+        try:
+            vertices, faces = parts(one, None)
+            if faces is None:
+                return meshes, None
+            made.append(mesh(vertices, faces))
+        except _native.Error as why:
+            raise _native.Error(f"scene[{number}]: {why}") from None
+    if not made:
+        return meshes, None
+    starts = np.cumsum([0] + [len(vertices) for vertices, _ in made[:-1]])
+    faces = [faces.astype("int64") + start for (_, faces), start in zip(made, starts)]
+    return np.concatenate([vertices for vertices, _ in made]), np.concatenate(faces)
 
 
 def mesh(vertices, faces):

@@ -9,6 +9,7 @@ from operator import methodcaller
 import numpy as np
 
 from . import _arrays, _native
+from ._entry import entry
 
 # As for the command.
 MOST_THREADS = 4096
@@ -17,10 +18,11 @@ MOST_THREADS = 4096
 IMAGES = "image baseColorTexture metallicRoughnessTexture normalTexture occlusionTexture emissiveTexture".split()
 
 
+@entry
 def render(
     scene, faces=None, *, width=None, height=None, camera=None, view=None, up=None, fov=None, fit=None, lights=None,
     background=None, crease=None, seed=None, samples=None, target_error=None, time_budget=None, precision=None, threads=None,
-    normals=None, colors=None, layers=None,
+    normals=None, colors=None, layers=None, eye=None, target=None, exposure=None, tone=None,
 ):
     """Renders a scene to an array of shape (height, width, 3), top row first.
 
@@ -28,7 +30,8 @@ def render(
     to the current folder, and values or arrays of NumPy; a mesh or a scene of trimesh, with its colours, textures and
     materials; or the vertices of a mesh, shape (N, 3), with the vertex indices of its triangles as faces, shape (M, 3), and
     perhaps the normals and colors of its vertices, of the same shape as these: colours are from 0 to 1, or uint8, with the
-    sRGB curve. With normals or colors, those of a mesh of trimesh are left out.
+    sRGB curve. With normals or colors, those of a mesh of trimesh are left out. Any other object that wavecrest.Mesh takes
+    is a mesh here too, and so is a list of meshes; the corners of plain ones are joined.
 
     A mesh is shown whole under studio lights; view, up, fov, fit, lights and crease change this, like the options of the
     command. view is the name of a side, such as "iso", or its azimuth and elevation in degrees, such as (30, 20). samples is
@@ -38,7 +41,11 @@ def render(
     width, 4), with the coverage of the pixel from 0 to 1 as its last channel, by which the colours are multiplied.
 
     camera is the name of one in a glTF file, or its pose: a matrix of 4 x 4 numbers from the space of the camera, which
-    looks along -z with y up, to that of the scene.
+    looks along -z with y up, to that of the scene. For a mesh or a glTF file eye is the place of the camera, and target the
+    point that it looks at, by default the middle of everything.
+
+    exposure, in stops of which each doubles the light, and tone, "clip" (default) or "filmic", develop the values of the
+    image as the command does those of 8-bit formats.
 
     With layers, such as ["depth", "normal", "object"], returns the image and a dict of arrays: depth along the view,
     shape (height, width), shading normals, shape (height, width, 3), numbers of shapes from 1, and others as in the
@@ -57,7 +64,7 @@ def render(
     >>> wavecrest.save("mesh.png", image)
     """
     kind, source = _source(scene, faces, normals, colors)
-    most, is_positive = _native.MOST_SAMPLES, lambda number: 0 < number < inf
+    most, stops, is_positive = _native.MOST_SAMPLES, _native.MOST_STOPS, lambda number: 0 < number < inf
     name, pose = _camera(camera)
     words, color = _background(background)
     options = {
@@ -65,6 +72,7 @@ def render(
         "height": _arrays.whole("height", "a whole number of pixels", height, 0, 2**32 - 1),
         "camera": name,
         "pose": pose,
+        **_points(eye, target, {"camera": camera, "view": view, "fit": fit}),
         "view": _view(view),
         "up": _arrays.text("up", up),
         "fov": _written(_arrays.number("fov", "a number of degrees", fov)),
@@ -73,6 +81,10 @@ def render(
         "background": words,
         "color": color,
         "crease": _arrays.number("crease", "a number of degrees from 0 to 180", crease, lambda angle: 0 <= angle <= 180),
+        "exposure": _arrays.number(
+            "exposure", f"a number from -{stops:g} to {stops:g}", exposure, lambda number: abs(number) <= stops
+        ),
+        "tone": _arrays.text("tone", tone),
         "seed": _arrays.whole("seed", "a whole number from 0 to 2^64 - 1", seed),
         "samples": _arrays.whole("samples", f"a whole number from 1 to {most}", samples, 1, most),
         "target_error": _arrays.number("target_error", "a finite number above 0", target_error, is_positive),
@@ -83,13 +95,14 @@ def render(
     }
     image, found, told = _native.render(kind, source, options)
     for text in told:
-        warnings.warn(text, stacklevel=2)
+        warnings.warn(text, stacklevel=3)
     arrays = {name: np.stack(parts, -1) if len(parts) > 1 else parts[0] for name, parts in found}
     if isinstance(background, str) and background == "transparent":
         image = np.dstack((image, arrays["alpha"]))
     return image if layers is None else (image, arrays)
 
 
+@entry
 def save(path, image, *, transfer=None):
     """Writes an image returned by render to a .png, .jpg, .ppm, .exr or .pfm file; with alpha to a .png, whose colours are
     not multiplied by it, or an .exr, whose colours are.
@@ -116,7 +129,10 @@ def _source(scene, faces, normals, colors):
     glb = _glb(scene) if is_plain else None
     if glb is not None:
         return "glb", glb
-    vertices, faces = _arrays.parts(scene, faces)
+    if faces is None and isinstance(scene, (list, tuple)):
+        vertices, faces = _arrays.joined(scene)
+    else:
+        vertices, faces = _arrays.parts(scene, faces)
     if faces is not None:
         vertices, faces = _arrays.mesh(vertices, faces)
         normals = _of_vertices("normals", normals, len(vertices))
@@ -130,7 +146,7 @@ def _source(scene, faces, normals, colors):
             return "json", json.dumps(scene, default=methodcaller("tolist"))
         except Exception as error:
             raise _native.Error(f"scene: as JSON: {error}") from None
-    what = "a path, a dict, a mesh, a scene of trimesh, or vertices with faces"
+    what = f"a path, a dict, {_arrays.A_MESH}, a list of meshes, a scene of trimesh, or vertices with faces"
     return "file", _arrays.path("scene", what, scene)
 
 
@@ -145,6 +161,23 @@ def _camera(value):
     if not np.isfinite(pose).all() or pose[3].tolist() != [0, 0, 0, 1] or x @ np.cross(y, z) <= 0:
         raise _native.Error(_arrays.wrong("camera", what, value))
     return None, pose.tolist()
+
+
+def _points(eye, target, others):
+    """The points of a camera by name, where no others that place it are given."""
+    what = "three numbers of at most 2^40"
+    points = {"eye": eye, "target": target}
+    for name, value in points.items():
+        if value is not None:
+            points[name] = _arrays.numbers(name, what, value, (3,)).tolist()
+            if not all(abs(number) <= 2**40 for number in points[name]):
+                raise _native.Error(_arrays.wrong(name, what, value))
+    if eye is None and target is not None:
+        raise _native.Error("target: needs eye, the place of the camera")
+    for name, value in others.items():
+        if eye is not None and value is not None:
+            raise _native.Error(f"eye: cannot be used with {name}; leave out one of them")
+    return points
 
 
 def _background(value):
@@ -204,8 +237,8 @@ def _of_vertices(name, value, count):
 
 
 def _glb(scene):
-    """The bytes of a GLB file with a scene of trimesh, or with a mesh of it that has colours or a material; None for
-    anything else.
+    """The bytes of a GLB file with a scene of trimesh, or with meshes of it of which one has colours or a material; None
+    for anything else.
 
     trimesh writes it from a copy that is changed before: corners that faces share are divided, so that colours of faces
     stay crisp; a material without metalness becomes no metal, which its image alone colours; and a mesh that is far from
@@ -213,10 +246,11 @@ def _glb(scene):
     not matter.
     """
     is_scene = hasattr(scene, "graph") and hasattr(scene, "geometry")
-    if not is_scene and _kind(scene) is None:
+    is_list = isinstance(scene, (list, tuple)) and any(_kind(mesh) is not None for mesh in scene)
+    if not (is_scene or is_list or _kind(scene) is not None):
         return None
     try:
-        return _exported(scene.copy(), is_scene)
+        return _exported(_scene_of(scene) if is_list else scene.copy(), is_scene or is_list)
     except MemoryError:
         raise
     except Exception as why:
@@ -228,6 +262,14 @@ def _kind(mesh):
     visual = getattr(mesh, "visual", None) if hasattr(mesh, "faces") else None
     kind = getattr(visual, "kind", None)
     return kind if isinstance(kind, str) else None
+
+
+def _scene_of(meshes):
+    """A scene of trimesh with copies of meshes."""
+    first, *others = [mesh.copy() for mesh in meshes]
+    scene = first.scene()
+    scene.add_geometry(others)
+    return scene
 
 
 def _exported(scene, is_scene):

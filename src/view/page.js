@@ -34,9 +34,14 @@
   function connect() {
     socket = new WebSocket(new URL("socket", location.href.replace(/^http/, "ws")));
     socket.binaryType = "arraybuffer";
-    socket.onopen = () => { find("ended").hidden = true; };
-    socket.onmessage = ({ data }) => (typeof data === "string" ? receive(JSON.parse(data)) : receivePart(data));
-    socket.onclose = () => {
+    socket.onmessage = ({ data }) => {
+      find("ended").hidden = true;
+      if (typeof data === "string") receive(JSON.parse(data));
+      else receivePart(data);
+    };
+    // With a reason there are too many pages; there may be fewer when it is tried again.
+    socket.onclose = ({ reason }) => {
+      write("ended-why", reason || "The server has ended.");
       find("ended").hidden = false;
       find("stage").hidden = true;
       setTimeout(connect, 1000);
@@ -79,7 +84,7 @@
   };
 
   // The frames of both halves, each in a canvas of its own size, and the difference. What came as a JPEG has no pixels
-  // that are known: a canvas is not read.
+  // that are known.
   const newHalf = () => ({ canvas: make("canvas"), pixels: null, isShown: false, moving: false });
   const halves = [newHalf(), newHalf()];
   const difference = newHalf();
@@ -117,20 +122,32 @@
     if ((flags & 4) !== 0) put(half, await createImageBitmap(new Blob([bytes], { type: "image/jpeg" })));
     else {
       const pixels = new ImageData(bytes, width, height);
-      put(half, (flags & 2) !== 0 ? pixels : laidOver(half.canvas, pixels));
+      if ((flags & 2) !== 0 || !half.isShown) put(half, pixels);
+      else layOver(half, pixels);
     }
     half.moving = (flags & 1) === 1;
     find("stage").hidden = true;
     if (isCompared()) subtract();
   }
-  // What is not finished in a frame shows the image before.
-  function laidOver(before, frame) {
+  // What is not finished in a frame shows the image before. Canvases are never read: browsers that guard against being
+  // recognised answer with noise, or ask first.
+  function layOver(half, frame) {
     const { width, height } = frame;
     const [canvas, top] = [0, 1].map(() => make("canvas", { width, height }));
     top.getContext("2d").putImageData(frame, 0, 0);
     const context = canvas.getContext("2d");
-    for (const layer of [before, top]) context.drawImage(layer, 0, 0, width, height);
-    return context.getImageData(0, 0, width, height);
+    for (const layer of [half.canvas, top]) context.drawImage(layer, 0, 0, width, height);
+    half.canvas = canvas;
+    // The same for the numbers of pixels, which are not smoothed, unless a JPEG is below.
+    if (!half.pixels) return;
+    const [before, now] = [half.pixels, frame].map(({ data }) => new Uint32Array(data.buffer, data.byteOffset, data.length / 4));
+    for (let at = 0, y = 0; y < height; y += 1) {
+      const row = Math.floor((y * half.pixels.height) / height) * half.pixels.width;
+      for (let x = 0; x < width; x += 1, at += 1) {
+        if (now[at] === 0) now[at] = before[row + Math.floor((x * half.pixels.width) / width)];
+      }
+    }
+    half.pixels = frame;
   }
   const isCompared = () => state?.halves.length === 2;
   const magnification = () => (isCompared() ? Number(find("shown").value) : 0);
@@ -184,6 +201,11 @@
     placeLabels(room);
     [image.width, image.height] = [innerWidth, innerHeight].map((length) => Math.round(length * ratio));
     draw();
+  }
+  // The ratio changes without the window's size when that moves to another screen.
+  function followRatio() {
+    layOut();
+    matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", followRatio, { once: true });
   }
   // At the lower edge of the image; on narrow windows below it, as far as there is room.
   function placeLabels(room) {
@@ -266,134 +288,7 @@
     return make("figure", {}, canvas, make("figcaption", { textContent: `${name}: ${colour}` }));
   }
 
-  // Movements wait for the next frame of the browser; those of one kind become one message.
-  const movements = new Map();
-  let isAwake = false;
-  function move(kind, by, at) {
-    const waiting = movements.get(kind);
-    const sum = (a, b) => (Array.isArray(a) ? a.map((x, index) => x + b[index]) : a + b);
-    movements.set(kind, { do: kind, ...(at && { at }), by: waiting ? sum(waiting.by, by) : by });
-    wake();
-  }
-  function sendMovement() {
-    const [kind] = movements.keys();
-    // What a slow connection has not taken yet can still be merged.
-    if (!kind || socket.bufferedAmount > 0) return;
-    send(movements.get(kind));
-    movements.delete(kind);
-  }
-  function wake() {
-    if (!isAwake) requestAnimationFrame(tick);
-    isAwake = true;
-  }
-  function tick(now) {
-    isAwake = false;
-    walk(now);
-    sendMovement();
-    draw();
-    for (const arrived of untaken.splice(0)) send({ do: "taken", drawing: (performance.now() - arrived) / 1000 });
-    if (movements.size > 0 || held.size > 0) wake();
-  }
-
-  // Pointers: a drag, a click, the divider, two fingers.
-  const CLICK = 4;
-  const pointers = new Map();
-  let drag = null;
-  const share = ({ x, y }) => [(x - place.left) / place.width, (y - place.top) / place.height];
-  const onImage = (point) => share(point).map((x) => Math.min(Math.max(0, x), 1));
-  const isInside = (point) => share(point).every((x) => x >= 0 && x < 1);
-  const isWiped = () => isCompared() && magnification() === 0;
-  const isOnDivider = ({ x }) => isWiped() && Math.abs(x - place.left - place.width * divider()) < 10;
-  const middleOf = ([a, b]) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 });
-  const distanceOf = ([a, b]) => Math.max(1, Math.hypot(a.x - b.x, a.y - b.y));
-  const spot = (event) => ({ x: event.clientX, y: event.clientY });
-  function press(event) {
-    const at = spot(event);
-    image.setPointerCapture(event.pointerId);
-    pointers.set(event.pointerId, at);
-    if (pointers.size === 1) {
-      const isLeft = event.button === 0;
-      const turns = event.ctrlKey || [...held].some((key) => key in WALKS) ? "turn" : "orbit";
-      drag = { kind: isLeft && !event.shiftKey ? turns : "pan", start: at, isClick: isLeft };
-      if (isOnDivider(at)) drag = { kind: "divide" };
-      else send({ do: "grab", at: onImage(at) });
-    } else if (pointers.size === 2) {
-      drag = { kind: "pinch" };
-      send({ do: "grab", at: onImage(middleOf([...pointers.values()])) });
-    }
-  }
-  function dragTo(event) {
-    pointer = spot(event);
-    image.style.cursor = pointers.size === 0 && isOnDivider(pointer) ? "ew-resize" : "";
-    const before = pointers.get(event.pointerId);
-    wake();
-    if (!before || !drag) return;
-    const both = [...pointers.values()];
-    pointers.set(event.pointerId, pointer);
-    if (drag.kind === "pinch") return pinch(both, [...pointers.values()]);
-    if (drag.isClick && Math.hypot(pointer.x - drag.start.x, pointer.y - drag.start.y) < CLICK) return;
-    // The movement below the limit counts too, once it is no click any more.
-    const from = drag.isClick ? drag.start : before;
-    drag.isClick = false;
-    if (drag.kind === "divide") find("wipe").value = share(pointer)[0] * 100;
-    else move(drag.kind, [(pointer.x - from.x) / place.height, (pointer.y - from.y) / place.height]);
-  }
-  function pinch(before, after) {
-    const [from, to] = [middleOf(before), middleOf(after)];
-    const notches = Math.log(distanceOf(after) / distanceOf(before)) / Math.log(1.2);
-    move("pan", [(to.x - from.x) / place.height, (to.y - from.y) / place.height]);
-    if (notches !== 0) move("zoom", notches, onImage(to));
-  }
-  function release(event) {
-    pointers.delete(event.pointerId);
-    if (event.type === "pointerup" && drag?.isClick && isInside(drag.start)) probeAt(share(drag.start));
-    // A finger that stays after a pinch goes on to do nothing.
-    drag = null;
-  }
-  function turnWheel(event) {
-    event.preventDefault();
-    const pixels = [1, 40, 400][event.deltaMode];
-    // A pinch on a touch pad arrives as small turns of the wheel with Ctrl.
-    move("zoom", (-event.deltaY * pixels) / (event.ctrlKey ? 20 : 100), onImage(spot(event)));
-  }
-  const probeAt = (at) => send({ do: "probe", at });
-
-  // Keys.
-  const WALKS = { a: [-1, 0, 0], d: [1, 0, 0], q: [0, -1, 0], e: [0, 1, 0], s: [0, 0, -1], w: [0, 0, 1] };
-  const SIDES = { 1: "front", 2: "back", 3: "left", 4: "right", 5: "top", 6: "bottom", 7: "iso", f: "all", home: "start" };
-  const ARROWS = { arrowleft: [-0.03, 0], arrowright: [0.03, 0], arrowup: [0, -0.03], arrowdown: [0, 0.03] };
-  const MIDDLE = [0.5, 0.5];
-  const held = new Set();
-  let walkedAt = 0;
-  // About 30 messages a second, each with the time that it stands for.
-  function walk(now) {
-    const keys = [...held].filter((key) => key in WALKS);
-    const passed = Math.min((now - walkedAt) / 1000, 0.1);
-    if (keys.length === 0 || passed < 0.03) return;
-    const by = [0, 1, 2].map((axis) => keys.reduce((sum, key) => sum + WALKS[key][axis] * passed, 0));
-    if (by.some((x) => x !== 0)) move("walk", by);
-    walkedAt = now;
-  }
-  function pressKey(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, [type=range], dialog")) return;
-    const key = event.key.toLowerCase();
-    if (key in WALKS || key === "z") {
-      if (held.size === 0) walkedAt = performance.now();
-      held.add(key);
-      wake();
-    } else if (key in SIDES) send({ do: "side", side: SIDES[key] });
-    else if (key === "?") find("help").showModal();
-    else if (event.target === image) pressImageKey(key, event);
-  }
-  // What the pointer does, for those who have none: at the middle of the image.
-  function pressImageKey(key, { repeat, shiftKey }) {
-    if (key in ARROWS) {
-      if (!repeat) send({ do: "grab", at: MIDDLE });
-      move(shiftKey ? "pan" : "orbit", ARROWS[key]);
-    } else if (key === "+") move("zoom", 1, MIDDLE);
-    else if (key === "-") move("zoom", -1, MIDDLE);
-    else if (key === "enter") probeAt(MIDDLE);
-  }
+  // {{controls}}
 
   // What accuracy costs: the settings of the halves.
   const SIDE_CHOICES = [1, 2, 3, 4, 5, 6, 8, 12, 16];
@@ -520,14 +415,12 @@
     write("bvh", `Tree of boxes: ${bvh}`);
   };
 
-  // A pixel: its record as a tree, filled where it is opened.
-  const FIRST_LEVELS = 5;
+  // A pixel, in the words of `wavecrest probe`; its cross goes when they are closed.
   let probed = null;
   show.probe = ({ at, record }) => {
     probed = at;
-    find("record").replaceChildren(...makeTrees(record, 1));
-    const end = record.cut_after === null ? "" : ` The record ends after ${record.cut_after} rays and points on lights.`;
-    write("pixel-note", `The cross marks the pixel in the image.${end}`);
+    write("record", record);
+    write("pixel-note", "The cross marks the pixel in the image.");
     find("pixel").open = true;
     find("pixel").scrollIntoView();
     wake();
@@ -536,29 +429,23 @@
     if (probed) write("pixel-note", "The camera has moved since: click again.");
     probed = null;
   }
-  // Of a list only the first is open.
-  function makeTrees(value, depth) {
-    const isOpen = (index) => depth < FIRST_LEVELS && (index === 0 || !Array.isArray(value));
-    return Object.entries(value).map(([name, inner], index) => makeTree(name, inner, depth, isOpen(index)));
-  }
-  function makeTree(name, value, depth, open) {
-    const isList = Array.isArray(value);
-    if (plain(value) || (isList && value.every(plain))) {
-      const text = isList ? `[${value.join(", ")}]` : JSON.stringify(value);
-      return make("div", { className: "leaf" }, make("span", { textContent: name }), ` ${text}`);
-    }
-    const outline = isList ? `${value.length} of them` : (value.kind ?? value.name ?? "");
-    const branch = make("details", { open }, make("summary", {}, `${name} `, make("span", { textContent: outline })));
-    const grow = () => branch.append(...makeTrees(value, depth + 1));
-    if (open) grow();
-    else branch.addEventListener("toggle", grow, { once: true });
-    return branch;
-  }
+  find("pixel").addEventListener("toggle", ({ target }) => {
+    if (!target.open) probed = null;
+    wake();
+  });
 
   // Take away.
   async function copyCommand() {
-    await navigator.clipboard.writeText(find("command").textContent);
-    write("copy", "Copied");
+    const command = find("command");
+    let copied = true;
+    try {
+      await navigator.clipboard.writeText(command.textContent);
+    } catch {
+      // Only pages of this machine have a clipboard, and not those of every browser.
+      getSelection().selectAllChildren(command);
+      copied = document.execCommand("copy");
+    }
+    write("copy", copied ? "Copied" : "Selected");
     setTimeout(() => write("copy", "Copy"), 1500);
   }
 
@@ -584,16 +471,6 @@
     write("fold", isHidden ? "Show" : "Hide");
   }
   const on = (id, type, action) => find(id).addEventListener(type, action);
-  on("image", "pointerdown", press);
-  on("image", "pointermove", dragTo);
-  on("image", "pointerup", release);
-  on("image", "pointercancel", release);
-  on("image", "pointerleave", () => { pointer = null; wake(); });
-  on("image", "contextmenu", (event) => event.preventDefault());
-  image.addEventListener("wheel", turnWheel, { passive: false });
-  addEventListener("keydown", pressKey);
-  addEventListener("keyup", ({ key }) => { held.delete(key.toLowerCase()); wake(); });
-  addEventListener("blur", () => { held.clear(); wake(); });
   addEventListener("resize", layOut);
   new ResizeObserver(layOut).observe(find("panels"));
   on("theme", "click", switchTheme);
@@ -611,5 +488,6 @@
   on("look", "change", ({ target }) => send({ do: "look", look: target.value || null }));
   for (const dialog of document.querySelectorAll("dialog")) dialog.querySelector("button").addEventListener("click", () => dialog.close());
   fill(find("shown"), [["0", "A and B"], ...[1, 4, 16, 64, 256].map((by) => [String(by), `Difference × ${by}`])], "0");
+  followRatio();
   connect();
 })();

@@ -1,4 +1,4 @@
-//! The page: one HTML file, with its style sheet and its script.
+//! The page: one HTML file, with its style sheet and its script, of which pointers and keys have a file of their own.
 
 use std::sync::LazyLock;
 
@@ -11,6 +11,7 @@ pub(super) const POLICY: &str = "default-src 'none'; connect-src 'self'; img-src
 /// The whole page.
 pub(super) static HTML: LazyLock<String> = LazyLock::new(|| {
     let style = format!("{THEME}{}", include_str!("page.css"));
-    let script = include_str!("page.js");
-    include_str!("page.html").replacen("{{style}}", &style, 1).replacen("{{script}}", script, 1)
+    let controls = include_str!("controls.js");
+    let script = include_str!("page.js").replacen("// {{controls}}", controls, 1);
+    include_str!("page.html").replacen("{{style}}", &style, 1).replacen("{{script}}", &script, 1)
 });

@@ -17,12 +17,10 @@ use super::request::{Half, Request};
 use super::showing::Showing;
 use super::steering::Steering;
 use super::take_away::TakeAway;
-use crate::common::to_json;
 use crate::explain;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::kernels::camera::Placement;
-use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::probe;
 use wavecrest_core::render::Watch;
@@ -30,7 +28,6 @@ use wavecrest_core::render::work::RenderWork;
 use wavecrest_image::farm::{Author, Pass, Passes};
 use wavecrest_image::look::{self, Look};
 use wavecrest_scene::components::View;
-use wavecrest_scene::systems::frame;
 
 /// Seconds of a frame while something moves, with some left for what moves it.
 const FRAME: f64 = 0.9 / 15.0;
@@ -120,13 +117,12 @@ impl<'a> Painter<'a> {
     fn obey(&mut self, request: Request) -> Result<bool> {
         let before = self.steering.view;
         match request {
-            Request::Grab { at } => self.steering.pivot = self.ready.point(&self.steering, at),
+            Request::Grab { at } => self.steering.pivot = self.ready.see(&self.steering, at).point,
             Request::Orbit { by } => self.steering.orbit(by),
             Request::Turn { by } => self.steering.turn(by),
             Request::Pan { by } => self.steering.pan(by),
             Request::Zoom { at, by } => {
-                let point = self.ready.point(&self.steering, at);
-                self.steering.zoom(point, by);
+                self.steering.zoom(at, by, |steering| self.ready.see(steering, at));
             }
             Request::Walk { by } => {
                 let [low, high] = self.ready.ends;
@@ -193,7 +189,10 @@ impl<'a> Painter<'a> {
         let prepared =
             self.ready.prepare_again(args, exchange, take_away, look, self.steering.view);
         match &prepared {
-            Ok(()) => self.send_plan(),
+            Ok(()) => {
+                exchange.withdraw(Kind::Error);
+                self.send_plan();
+            }
             Err(error) => exchange.send_error(error),
         }
         prepared.is_ok()
@@ -241,10 +240,7 @@ impl<'a> Painter<'a> {
 
     /// Renders with more and more samples; returns whether all is finished.
     fn refine(&mut self) -> Result<bool> {
-        // As `render` would prepare it.
-        let is_fast = self.args.scene_options.precision == Precision::Fast;
-        let is_far = || frame::origin(&self.steering.view) != self.ready.scene.origin;
-        if !is_fast && is_far() {
+        if !self.ready.fits(self.args, &self.steering.view) {
             self.prepare_again();
         }
         for index in 0..self.halves.len() {
@@ -340,10 +336,8 @@ impl<'a> Painter<'a> {
         let is_over = |count| count >= PROBED || inbox.cancelled() || start.elapsed() > PROBE;
         let record = probe::pixel(&self.ready.scene, pixel, None, self.args.seed, &is_over);
         self.ready.scene.appearance.check()?;
-        // As text, in which numbers of single precision are short.
-        let (at, record) = (json!(at), to_json(&record)?);
-        let message = format!(r#"{{"kind": "probe", "at": {at}, "record": {record}}}"#);
-        self.exchange.send(Kind::Probe, message);
+        let message = json!({"kind": "probe", "at": at, "record": crate::probe::text(&record)});
+        self.exchange.send(Kind::Probe, message.to_string());
         Ok(())
     }
 

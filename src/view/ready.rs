@@ -1,5 +1,6 @@
 //! The scene of pages: prepared once for a camera that goes anywhere, and placed for each render.
 
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use glam::DVec3;
@@ -7,7 +8,7 @@ use glam::DVec3;
 use super::ViewArgs;
 use super::exchange::Exchange;
 use super::request::Half;
-use super::steering::Steering;
+use super::steering::{Seen, Steering};
 use super::take_away::TakeAway;
 use crate::common::tell_all;
 use wavecrest_api::SceneOptions;
@@ -18,6 +19,7 @@ use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::camera::{Camera, Placement};
+use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Appearance, Original, PreparedScene, Samples};
@@ -26,7 +28,7 @@ use wavecrest_image::look::Look;
 use wavecrest_image::write::Transfer;
 use wavecrest_scene::components::{Encoding, View};
 use wavecrest_scene::load::LoadedScene;
-use wavecrest_scene::systems::{bounds, free_camera, looks};
+use wavecrest_scene::systems::{bounds, frame, free_camera, looks};
 
 /// The most pixels of an image, and the longest side: that of a JPEG.
 const MOST_PIXELS: u64 = 1 << 24;
@@ -38,7 +40,7 @@ const SHARES: usize = 8;
 /// A scene that is ready to be traced, from anywhere.
 pub(super) struct Ready {
     /// As it was read.
-    loaded: LoadedScene,
+    loaded: Arc<LoadedScene>,
     pub(super) scene: PreparedScene,
     pub(super) preset: Preset,
     /// The camera and the lights of the file.
@@ -48,25 +50,31 @@ pub(super) struct Ready {
     pub(super) transfer: Transfer,
     /// The box around everything.
     pub(super) ends: [DVec3; 2],
+    /// The origin for which it could not be prepared again.
+    failed: Option<DVec3>,
 }
 
-/// Prepares a copy of what was `loaded`, without what a look does not show: that is also what may be taken away. Before
-/// the tree is built, others may be dropped by `building`.
+/// Prepares a copy of what was `loaded`, without what a look does not show: that is also what may be taken away. Its
+/// camera goes anywhere, from its own view or from this one. Before the tree is built, others may be dropped by `building`.
 fn session(
     args: &ViewArgs,
     take_away: &TakeAway,
     loaded: &LoadedScene,
-    look: Option<Look>,
+    (look, view): (Option<Look>, Option<View>),
     building: impl FnOnce(),
-) -> Result<Session> {
+) -> Result<(Session, View)> {
     let mut shown = loaded.clone();
+    let view = free_camera(&mut shown.world, view)?;
+    check_size(args, &view)?;
     look.inspect(|look| looks::leave_out(&mut shown.world, *look));
-    take_away.keep(&shown)?;
+    let contents = take_away.contents(&shown)?;
     let options = SceneOptions { look, ..args.scene_options.preparing(Some(&args.search)) };
-    Session::of(shown, &options, |_| {
+    let session = Session::of(shown, &options, |_| {
         building();
         Ok(())
-    })
+    })?;
+    take_away.keep(contents);
+    Ok((session, view))
 }
 
 /// Refuses an image that is too large for a page.
@@ -94,10 +102,8 @@ impl Ready {
     ) -> Result<(Self, View)> {
         progress::begin();
         exchange.prepares.store(true, Ordering::Relaxed);
-        let mut loaded = args.scene_options.load(&args.scene)?;
-        let view = free_camera(&mut loaded.world, None)?;
-        check_size(args, &view)?;
-        let mut session = session(args, take_away, &loaded, args.look, || {})?;
+        let loaded = Arc::new(args.scene_options.load(&args.scene)?);
+        let (mut session, view) = session(args, take_away, &loaded, (args.look, None), || {})?;
         tell_all(&mut session.warnings, &mut session.notes, args.scene_options.quiet);
         exchange.prepares.store(false, Ordering::Relaxed);
         Ok((Self::of(session, loaded, args.look), view))
@@ -117,19 +123,27 @@ impl Ready {
     ) -> Result<()> {
         progress::begin();
         exchange.prepares.store(true, Ordering::Relaxed);
-        free_camera(&mut self.loaded.world, Some(view))?;
         let PreparedScene { accel, appearance, .. } = &mut self.scene;
-        let session = session(args, take_away, &self.loaded, look, || {
+        let session = session(args, take_away, &self.loaded, (look, Some(view)), || {
             // Two would take twice the memory.
             *accel = Accel::unbuilt(Geometry::default());
             *appearance = Appearance::default();
         });
         exchange.prepares.store(false, Ordering::Relaxed);
-        *self = Self::of(session?, self.loaded.clone(), look);
+        self.failed = session.is_err().then(|| frame::origin(&view));
+        let (session, _) = session?;
+        *self = Self::of(session, Arc::clone(&self.loaded), look);
         Ok(())
     }
 
-    fn of(session: Session, loaded: LoadedScene, look: Option<Look>) -> Self {
+    /// Whether a render from this view would be prepared in the same way, or failed to be.
+    pub(super) fn fits(&self, args: &ViewArgs, view: &View) -> bool {
+        let origin = frame::origin(view);
+        let is_fast = args.scene_options.precision == Precision::Fast;
+        is_fast || origin == self.scene.origin || self.failed == Some(origin)
+    }
+
+    fn of(session: Session, loaded: Arc<LoadedScene>, look: Option<Look>) -> Self {
         let Session { scene, preset, transfer, .. } = session;
         let transfer = match transfer {
             // Other looks are encoded already.
@@ -139,17 +153,20 @@ impl Ready {
         let (camera, original) = (scene.camera, scene.original());
         let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
         let ends = ends.map(|end| end + scene.origin);
-        Self { loaded, scene, preset, camera, original, transfer, ends }
+        Self { loaded, scene, preset, camera, original, transfer, ends, failed: None }
     }
 
     /// What a ray through a place of the image meets first; a point before it if nothing.
-    pub(super) fn point(&self, steering: &Steering, at: [f64; 2]) -> DVec3 {
+    pub(super) fn see(&self, steering: &Steering, at: [f64; 2]) -> Seen {
         let scene = &self.scene;
         let (from, far) = (steering.view.location, steering.point(at));
         let direction = (far - from).normalize();
         let ray = Ray::new((from - scene.origin).as_vec3(), direction.as_vec3());
         let hit = scene.accel.closest(&ray, &mut scene.accel.traversal());
-        if hit.is_miss() { far } else { from + direction * f64::from(hit.t) }
+        if hit.is_miss() {
+            return Seen { point: far, is_met: false };
+        }
+        Seen { point: from + direction * f64::from(hit.t), is_met: true }
     }
 
     /// The options of a render from where it is placed.

@@ -1,13 +1,13 @@
 //! The server of the page: HTTP and WebSocket on one port, for whoever has the address.
 //!
-//! The path of every resource starts with a random token; without it nothing is found. The `Host` of a request must name
-//! this server, so that no name of a stranger can be made to point here, and the `Origin` of a WebSocket must be the page.
+//! The path of every resource starts with a random token; without it nothing is found. Who asks must
+//! name this machine ([`address`](super::address)), and the `Origin` of a WebSocket must be the page.
 //! Nothing in a request names a file. One thread serves all connections: each that has not asked for anything soon is
-//! closed, as are the oldest when there are too many.
+//! closed, as are the oldest when there are too many. A page that is one too many is told so and closed.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::net::IpAddr;
 use std::pin::pin;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -26,10 +26,11 @@ use sha1_smol::Sha1;
 use tokio::task::AbortHandle;
 use tokio::time::{interval, timeout};
 
+use super::address::Address;
 use super::exchange::Exchange;
 use super::page;
 use super::take_away::TakeAway;
-use super::talk::talk;
+use super::talk::{refuse, talk};
 use wavecrest_base::lock;
 
 /// The most connections that have not become those of a page, and the most pages.
@@ -56,42 +57,23 @@ pub(super) struct Site {
     pub(super) once: String,
     /// Whether it has led there.
     pub(super) opened: AtomicBool,
-    /// Where the server listens.
-    pub(super) address: SocketAddr,
+    /// Where it is served.
+    pub(super) address: Address,
 }
 
 impl Site {
-    /// The address of the page on this machine, with this token.
-    pub(super) fn url(&self, token: &str) -> String {
-        let mut address = self.address;
-        if address.ip().is_unspecified() {
-            address.set_ip(match address {
-                SocketAddr::V4(_) => Ipv4Addr::LOCALHOST.into(),
-                SocketAddr::V6(_) => Ipv6Addr::LOCALHOST.into(),
-            });
-        }
-        format!("http://{address}/{token}/")
-    }
-
-    /// Whether a `Host` names this server: by its address or `localhost`, or by any address where it listens to all.
-    fn is_host(&self, host: &str) -> bool {
-        let port = format!(":{}", self.address.port());
-        let Some(name) = host.strip_suffix(&port) else { return false };
-        let ip = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
-        let own = self.address.ip();
-        let is_local = own.is_loopback() || own.is_unspecified();
-        let is_here = |ip: IpAddr| ip == own || own.is_unspecified();
-        ip.is_ok_and(is_here) || (name == "localhost" && is_local)
-    }
-
-    /// What is asked for below the token, if the request is from the page or from whoever types its address.
-    fn resource<'r>(&self, request: &'r Request<Incoming>) -> Result<&'r str, StatusCode> {
+    /// What is asked for below the token, if the request, which reached this machine at its address `here`, is from the
+    /// page or from whoever types its address.
+    fn resource<'r>(
+        &self,
+        request: &'r Request<Incoming>,
+        here: IpAddr,
+    ) -> Result<&'r str, StatusCode> {
         let text = |name: header::HeaderName| one(request.headers(), &name);
         let host = text(header::HOST).ok_or(StatusCode::BAD_REQUEST)?;
         let origin = text(header::ORIGIN);
-        let is_own = origin.is_none_or(|origin| origin == format!("http://{host}"));
-        if !self.is_host(host) || !is_own {
-            return Err(StatusCode::FORBIDDEN);
+        if origin.is_none() && request.headers().contains_key(header::ORIGIN) {
+            return Err(StatusCode::BAD_REQUEST);
         }
         let (token, resource) = request
             .uri()
@@ -99,14 +81,20 @@ impl Site {
             .strip_prefix('/')
             .and_then(|path| path.split_once('/'))
             .ok_or(StatusCode::NOT_FOUND)?;
-        if token == self.once && resource.is_empty() && !self.opened.swap(true, Ordering::Relaxed) {
-            return Ok(ONCE);
-        }
-        if token != self.token {
+        let is_once = token == self.once && resource.is_empty();
+        if token != self.token && !is_once {
             return Err(StatusCode::NOT_FOUND);
+        }
+        // Only who knows the address is told why.
+        if !self.address.lets_in(host, origin, here) {
+            return Err(StatusCode::FORBIDDEN);
         }
         if request.method() != Method::GET {
             return Err(StatusCode::METHOD_NOT_ALLOWED);
+        }
+        if is_once {
+            let is_first = !self.opened.swap(true, Ordering::Relaxed);
+            return if is_first { Ok(ONCE) } else { Err(StatusCode::NOT_FOUND) };
         }
         // A page of another site could open a WebSocket, but cannot hide where it is from.
         if resource == SOCKET && origin.is_none() {
@@ -140,6 +128,12 @@ impl Bounded {
         tasks.push_back(tokio::spawn(task).abort_handle());
         let surplus = tasks.len().saturating_sub(self.most);
         tasks.drain(..surplus).for_each(|task| task.abort());
+    }
+
+    /// Whether one more would end the oldest.
+    fn is_full(&self) -> bool {
+        let running = |task: &&AbortHandle| !task.is_finished();
+        lock(&self.tasks).iter().filter(running).count() >= self.most
     }
 
     fn end_oldest(&self) {
@@ -188,9 +182,11 @@ pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::i
 
 /// Answers the one request of a connection.
 async fn connection(stream: tokio::net::TcpStream, site: Arc<Site>, pages: Arc<Bounded>) {
+    let Ok(here) = stream.local_addr() else { return };
+    let here = here.ip().to_canonical();
     let length = AtomicU64::new(0);
     let service = service_fn(|request| {
-        let answered = answer(request, Arc::clone(&site), Arc::clone(&pages));
+        let answered = answer(request, here, Arc::clone(&site), Arc::clone(&pages));
         answered.inspect_ok(|answer| {
             length.store(answer.body().size_hint().lower(), Ordering::Relaxed);
         })
@@ -211,14 +207,16 @@ async fn connection(stream: tokio::net::TcpStream, site: Arc<Site>, pages: Arc<B
 
 async fn answer(
     mut request: Request<Incoming>,
+    here: IpAddr,
     site: Arc<Site>,
     pages: Arc<Bounded>,
 ) -> Result<Response<Full<Bytes>>, Infallible> {
-    let resource = site.resource(&request).map(str::to_owned);
+    let resource = site.resource(&request, here).map(str::to_owned);
     Ok(match resource.as_deref() {
         Ok("") => content("text/html; charset=utf-8", page::HTML.as_str()),
         Ok(ONCE) => {
-            let page = format!("/{}/", site.token);
+            // Relative, as a server before this one may have put the page below a path.
+            let page = format!("../{}/", site.token);
             let moved =
                 Response::builder().status(StatusCode::SEE_OTHER).header(header::LOCATION, page);
             moved.body(Full::default()).unwrap_or_else(|_| refused(StatusCode::NOT_FOUND))
@@ -228,6 +226,14 @@ async fn answer(
                 return Ok(refused(StatusCode::UPGRADE_REQUIRED));
             };
             let upgrade = hyper::upgrade::on(&mut request);
+            if pages.is_full() {
+                tokio::spawn(timeout(ASKING, async move {
+                    if let Ok(upgraded) = upgrade.await {
+                        refuse(TokioIo::new(upgraded)).await;
+                    }
+                }));
+                return Ok(accepted);
+            }
             pages.spawn(async move {
                 if let Ok(upgraded) = upgrade.await {
                     talk(TokioIo::new(upgraded), &site.exchange).await;
@@ -248,8 +254,23 @@ async fn answer(
                 None => refused(StatusCode::NOT_FOUND),
             }
         }
+        Err(&StatusCode::FORBIDDEN) => stranger(request.headers()),
         Err(status) => refused(*status),
     })
+}
+
+/// The answer to who asks under a strange name, or from a page of another server, with what allows that.
+fn stranger(headers: &HeaderMap) -> Response<Full<Bytes>> {
+    let told = |name| one(headers, &name).unwrap_or("nothing");
+    let [host, origin] = [header::HOST, header::ORIGIN].map(told);
+    let words = format!(
+        "This is the page of wavecrest view, which is asked for as \"{host}\" (Host) from \"{origin}\" (Origin). \
+         That is neither a name of this machine nor the page itself. If another server leads here, add its address to \
+         the command: --allow-origin https://example.org\n"
+    );
+    let mut response = content("text/plain; charset=utf-8", words);
+    *response.status_mut() = StatusCode::FORBIDDEN;
+    response
 }
 
 /// The answer to the handshake of a WebSocket (RFC 6455, section 4.2), if it is one.

@@ -1,5 +1,9 @@
 //! The camera that the user of the page moves: around a point, across the image, towards a point, on foot, and to named
 //! sides.
+//!
+//! Its location, the direction ahead and the distance of the look-at point are kept as they are, and the view follows from
+//! them: the difference of two points that are close has few bits left, and a camera that takes its direction from there
+//! turns a little with each movement.
 
 use std::f64::consts::PI;
 
@@ -18,15 +22,50 @@ const PARALLEL: f64 = 1e-3;
 const NOTCH: f64 = 1.2;
 /// The most notches at a time.
 const MOST_NOTCHES: f64 = 20.0;
+/// Notches are counted in whole parts of one, so that sums of them are exact. Wheels turn by decimal numbers.
+const NOTCH_PARTS: f64 = 10_000.0;
+/// The least distance of the look-at point in a view, as a share of the largest coordinate. Its direction is then that of the
+/// camera within 2⁻²⁶, the last bits of double precision over this share: less than single precision tells apart.
+const LEAST_REACH: f64 = 1.0 / (1 << 26) as f64;
+/// Within which share of the way that is left a surface has to be found again from the end of a movement towards it. That
+/// way is then at least eight times as long as all roundings: those of rays, and of the surface in other coordinates.
+const FOUND_AGAIN: f64 = 0.125;
+
+/// What is seen at a place of the image.
+#[derive(Clone, Copy)]
+pub(super) struct Seen {
+    pub(super) point: DVec3,
+    /// Whether a surface is there; otherwise the point is as far away as the look-at point.
+    pub(super) is_met: bool,
+}
+
+/// Notches of the wheel at one place of the image.
+#[derive(Clone, Copy)]
+struct Zoom {
+    at: [f64; 2],
+    towards: Seen,
+    /// The view and the distance before the first of them.
+    from: View,
+    distance: f64,
+    /// Their sum, in parts.
+    parts: f64,
+}
 
 /// A view, and what its movements are relative to. Movements are shares of the image's height.
+#[derive(Clone, Copy)]
 pub(super) struct Steering {
+    /// What is shown. Before the first movement it has the bits of the file.
     pub(super) view: View,
+    /// The unit direction ahead, and the distance of the look-at point.
+    ahead: DVec3,
+    distance: f64,
     start: View,
     /// Right, up and front of the scene. Its up is the coordinate axis nearest to that of the first view.
     axes: DMat3,
     /// The point that turns leave in its place, and that follows the cursor as the view moves across the image.
     pub(super) pivot: DVec3,
+    /// The last movement, if it was one of the wheel.
+    zoom: Option<Zoom>,
 }
 
 impl Steering {
@@ -34,32 +73,41 @@ impl Steering {
         let along = |up: &Up| up.axes().y_axis.dot(view.up);
         let up = Up::ALL.into_iter().max_by(|a, b| along(a).total_cmp(&along(b)));
         let axes = up.unwrap_or(Up::Y).axes();
-        Self { view, start: view, axes, pivot: view.look }
+        let arm = view.look - view.location;
+        let (ahead, distance) = (arm.normalize(), arm.length());
+        Self { view, ahead, distance, start: view, axes, pivot: view.look, zoom: None }
     }
 
     /// Right, up and ahead in the image.
     fn basis(&self) -> [DVec3; 3] {
-        let ahead = (self.view.look - self.view.location).normalize();
-        let right = ahead.cross(self.view.up).normalize();
-        [right, right.cross(ahead), ahead]
+        let right = self.ahead.cross(self.view.up).normalize();
+        [right, right.cross(self.ahead), self.ahead]
     }
 
     /// The point at a place of the image, in shares of its sides from the top left, as far away as the look-at point.
     pub(super) fn point(&self, [x, y]: [f64; 2]) -> DVec3 {
         let ([right, up, ahead], half) = (self.basis(), half_extent(&self.view.placement()));
         let across = right * (half[0] * (2.0 * x - 1.0)) + up * (half[1] * (1.0 - 2.0 * y));
-        self.view.location + (ahead + across) * self.view.look.distance(self.view.location)
+        self.view.location + (ahead + across) * self.distance
     }
 
-    /// Moves to where the view is a valid one; otherwise it stays.
-    fn go(&mut self, location: DVec3, look: DVec3, up: DVec3) {
+    /// Moves to where the view is a valid one; otherwise it stays, and the answer is false.
+    fn go(&mut self, location: DVec3, ahead: DVec3, distance: f64, up: DVec3) -> bool {
         let greatest = f64::from(MAX_COORDINATE);
         let is_within = |point: DVec3| point.abs().max_element() <= greatest;
-        let ahead = (look - location).normalize_or_zero();
+        let reach = distance.max(location.abs().max_element() * LEAST_REACH);
+        let look = location + ahead * reach;
+        let seen = (look - location).normalize_or_zero();
         // Also false for numbers that are none.
-        if is_within(location) && is_within(look) && ahead.cross(up).length() >= PARALLEL {
+        let is_valid = is_within(location)
+            && is_within(look)
+            && distance > 0.0
+            && seen.cross(up).length() >= PARALLEL;
+        if is_valid {
             self.view = View { location, look, up, ..self.view };
+            (self.ahead, self.distance, self.zoom) = (ahead, distance, None);
         }
+        is_valid
     }
 
     /// Up in an upright image, unless the view is along it.
@@ -75,9 +123,10 @@ impl Steering {
         let wanted = (angle + PI * down).clamp(STEEPEST, PI - STEEPEST);
         let turn = DQuat::from_axis_angle(upright, -PI * right)
             * DQuat::from_axis_angle(side, angle - wanted);
-        let turned = |point: DVec3| self.pivot + turn * (point - self.pivot);
-        let up = self.upright(turn * ahead).unwrap_or(turn * up);
-        self.go(turned(self.view.location), turned(self.view.look), up);
+        let location = self.pivot + turn * (self.view.location - self.pivot);
+        let ahead = (turn * ahead).normalize();
+        let up = self.upright(ahead).unwrap_or(turn * up);
+        self.go(location, ahead, self.distance, up);
     }
 
     /// Turns in its place, as a head: what is seen follows the cursor.
@@ -96,12 +145,37 @@ impl Steering {
         self.shift((up * down - side * right) * height);
     }
 
-    /// Moves towards `point`, or away from it with fewer than no notches.
-    pub(super) fn zoom(&mut self, point: DVec3, notches: f64) {
-        let View { location, look, up, .. } = self.view;
-        let left = NOTCH.powf(-notches.clamp(-MOST_NOTCHES, MOST_NOTCHES));
-        let nearer = point + (location - point) * left;
-        self.go(nearer, nearer + (look - location) * left, up);
+    /// Moves towards what `see` finds at a place of the image, or away from it with fewer than no notches; never so near to
+    /// a surface that it is not certain to be ahead any more.
+    ///
+    /// Notches at one place count from where the first of them began: as many back lead there again, to the bit.
+    pub(super) fn zoom(&mut self, at: [f64; 2], notches: f64, see: impl Fn(&Self) -> Seen) {
+        let before = *self;
+        let mut zoom = self.zoom.filter(|zoom| zoom.at == at).unwrap_or_else(|| Zoom {
+            at,
+            towards: see(self),
+            from: self.view,
+            distance: self.distance,
+            parts: 0.0,
+        });
+        zoom.parts += (notches.clamp(-MOST_NOTCHES, MOST_NOTCHES) * NOTCH_PARTS).round();
+        let Zoom { towards: Seen { point, is_met }, from, distance, parts, .. } = zoom;
+        let left = NOTCH.powf(-parts / NOTCH_PARTS);
+        let arm = (from.location - point) * left;
+        if !self.go(point + arm, self.ahead, distance * left, from.up) {
+            return;
+        }
+        if parts == 0.0 {
+            self.view = from;
+        }
+        self.zoom = Some(zoom);
+        let is_ahead = || {
+            let again = see(self);
+            again.is_met && again.point.distance(point) <= FOUND_AGAIN * arm.length()
+        };
+        if notches > 0.0 && is_met && !is_ahead() {
+            *self = before;
+        }
     }
 
     /// Walks to the right, upward and ahead, each as a share of `unit`.
@@ -111,8 +185,7 @@ impl Steering {
     }
 
     fn shift(&mut self, by: DVec3) {
-        let View { location, look, up, .. } = self.view;
-        self.go(location + by, look + by, up);
+        self.go(self.view.location + by, self.ahead, self.distance, self.view.up);
     }
 
     /// Shows everything in a box from a named side, or with `all` from where the camera is; `start` is the first view.
@@ -121,7 +194,7 @@ impl Steering {
         let named = Side::NAMED.iter().find(|(name, ..)| *name == side);
         let [back, up] = match (side, named) {
             ("start", _) => {
-                self.view = self.start;
+                *self = Self { pivot: self.pivot, ..Self::new(self.start) };
                 return;
             }
             (_, Some(&(_, azimuth, elevation))) => {
@@ -144,7 +217,7 @@ impl Steering {
         let distance = distance.fold(0.0, f64::max);
         let distance = if distance > 0.0 { distance } else { 1.0 };
         self.pivot = center;
-        self.go(center + back * distance, center, up);
+        self.go(center + back * distance, -back, distance, up);
     }
 }
 
@@ -212,9 +285,72 @@ mod tests {
         let point = steering.point([0.2, 0.7]);
         let [x, y] = seen(&steering, point);
         assert!((x + 0.6).abs() < 1e-9 && (y + 0.4).abs() < 1e-9);
-        steering.zoom(point, 3.0);
+        steering.zoom([0.2, 0.7], 3.0, |_| Seen { point, is_met: false });
         let [x, y] = seen(&steering, point);
         assert!((x + 0.6).abs() < 1e-9 && (y + 0.4).abs() < 1e-9);
+    }
+
+    /// What is seen of nothing but sky.
+    fn sky(at: [f64; 2]) -> impl Fn(&Steering) -> Seen {
+        move |steering| Seen { point: steering.point(at), is_met: false }
+    }
+
+    #[test]
+    fn as_many_notches_out_as_in_lead_back_to_the_bit() {
+        for (by, at) in [(1.0, [0.5, 0.5]), (1.2, [0.9, 0.1]), (-0.2, [0.3, 0.3])] {
+            let mut steering = steering();
+            let first = (steering.view, steering.ahead, steering.distance);
+            (0..200).for_each(|_| steering.zoom(at, by, sky(at)));
+            assert_ne!(steering.view.location, first.0.location);
+            assert_eq!((steering.ahead, steering.view.up), (first.1, first.0.up));
+            // Pages add up what they have not sent yet.
+            (0..100).for_each(|_| steering.zoom(at, -(by + by), sky(at)));
+            assert_eq!((steering.view, steering.ahead, steering.distance), first);
+        }
+    }
+
+    #[test]
+    fn close_to_its_look_at_point_the_camera_keeps_its_direction() {
+        let mut steering = steering();
+        let (ahead, at) = (steering.ahead, [0.4, 0.6]);
+        for _ in 0..100 {
+            (0..5).for_each(|_| steering.zoom(at, 1.0, sky(at)));
+            steering.walk([0.3, -0.2, 0.7], 1e-3);
+            let View { location, look, .. } = steering.view;
+            assert_eq!(steering.ahead, ahead);
+            assert!((look - location).normalize().distance(ahead) < LEAST_REACH);
+        }
+    }
+
+    /// A camera before a floor at a height, seen as by rays of single precision: at any angle, and far from the origin.
+    #[test]
+    fn no_notch_leads_through_a_surface() {
+        for (height, drop) in [(0.1, 1.0), (0.1, 0.01), (-1000.7, 0.3), (3e5, 1.0)] {
+            let location = DVec3::new(height + 0.3, height + drop, height - 0.7);
+            let look = DVec3::new(height + 1.0, height, height);
+            let mut steering = Steering::new(View { location, look, ..steering().view });
+            let floor = height as f32;
+            let see = |steering: &Steering| {
+                let from = steering.view.location;
+                let towards = (steering.point([0.5, 0.5]) - from).normalize();
+                let (origin, direction) = (from.as_vec3(), towards.as_vec3());
+                let t = ((f64::from(floor) - f64::from(origin.y)) / f64::from(direction.y)) as f32;
+                Seen { point: from + towards * f64::from(t), is_met: t > 0.0 }
+            };
+            let mut nearest = drop;
+            for _ in 0..3000 {
+                steering.zoom([0.5, 0.5], 0.7, see);
+                // Some other movement, after which notches count anew.
+                steering.walk([0.0; 3], 1.0);
+                let above = steering.view.location.y;
+                assert!(
+                    above > f64::from(floor) && above as f32 > floor,
+                    "{height} {drop}: {above}"
+                );
+                nearest = above - f64::from(floor);
+            }
+            assert!(nearest < 0.1 * drop || nearest < 1e-6 * height.abs(), "{nearest}");
+        }
     }
 
     #[test]

@@ -30,6 +30,8 @@ const PARTS: &str = "parts.json";
 /// The file that is shown, and what becomes of it.
 pub(super) struct TakeAway {
     file: PathBuf,
+    /// Whether it is a scene file, beside which another one finds its meshes.
+    is_scene: bool,
     /// Options that change the file's meshes or its background, as words of a command.
     options: [Vec<String>; 2],
     /// What was read, as a scene file, unless that is too long.
@@ -40,25 +42,24 @@ impl TakeAway {
     /// `of_meshes` are the options of the command that `convert` needs too, `of_image` those of a scene file.
     pub(super) fn new(file: &Path, of_meshes: Vec<String>, of_image: Vec<String>) -> Self {
         let options = [of_meshes, of_image];
-        Self { file: file.to_owned(), options, scene: Mutex::default() }
+        let is_scene = FileFormat::of(file).is_ok_and(|format| format == FileFormat::Scene);
+        let scene = Mutex::new(if is_scene { read(file) } else { None });
+        Self { file: file.to_owned(), is_scene, options, scene }
     }
 
-    /// Keeps what `scene` is as a scene file. A scene file is what it was when it was first read.
+    /// What `scene` is as a scene file, unless it was one when it was read.
     ///
     /// # Errors
     /// If it cannot be one.
-    pub(super) fn keep(&self, scene: &LoadedScene) -> Result<()> {
-        let mut kept = lock(&self.scene);
-        *kept = match self.is_scene() {
-            true => kept.take().or_else(|| read(&self.file)),
-            false => Some(contents(scene, &self.named(PARTS))?),
-        };
-        Ok(())
+    pub(super) fn contents(&self, scene: &LoadedScene) -> Result<Option<Value>> {
+        (!self.is_scene).then(|| contents(scene, &self.named(PARTS))).transpose()
     }
 
-    /// Whether the file is a scene file, beside which another one finds its meshes.
-    fn is_scene(&self) -> bool {
-        FileFormat::of(&self.file).is_ok_and(|format| format == FileFormat::Scene)
+    /// Keeps these contents from now on, if there are any.
+    pub(super) fn keep(&self, contents: Option<Value>) {
+        if contents.is_some() {
+            *lock(&self.scene) = contents;
+        }
     }
 
     /// The name of the file, with another extension.
@@ -106,7 +107,7 @@ impl TakeAway {
                 .chain(of_image.clone())
                 .chain(differs),
         );
-        if self.is_scene() {
+        if self.is_scene {
             let beside = self.file.display();
             return (
                 render,

@@ -14,7 +14,8 @@ use hyper::body::Bytes;
 use tokio::time::{Instant, interval_at, sleep};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::Message;
-use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
+use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
+use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 
 use super::exchange::{Exchange, Kind, Posted};
 use super::line::{LATE, Line};
@@ -27,6 +28,8 @@ const SILENCE: Duration = Duration::from_secs(20);
 /// The longest message of a page in bytes, and the most in a pulse.
 const LONGEST_MESSAGE: usize = 4096;
 const MOST_MESSAGES: u32 = 2000;
+/// What the page beyond the most is told: a reason of at most 123 bytes, by which it knows that the server is there.
+const TOO_MANY: &str = "Too many pages show this scene. This one goes on once another is closed.";
 
 /// Talks until the page is gone, hangs or floods.
 pub(super) async fn talk<S>(stream: S, exchange: &Exchange)
@@ -78,6 +81,18 @@ where
                 page.ping();
             }
         }
+    }
+}
+
+/// Tells a page that it is one too many, and waits until it has heard.
+pub(super) async fn refuse<S>(stream: S)
+where
+    S: tokio::io::AsyncRead + tokio::io::AsyncWrite + Unpin,
+{
+    let mut socket = WebSocketStream::from_raw_socket(stream, Role::Server, None).await;
+    let close = CloseFrame { code: CloseCode::Again, reason: TOO_MANY.into() };
+    if socket.close(Some(close)).await.is_ok() {
+        while let Some(Ok(_)) = socket.next().await {}
     }
 }
 

@@ -11,6 +11,7 @@
 )]
 
 mod chromium;
+mod controls;
 mod view;
 mod viewer;
 

@@ -12,7 +12,7 @@ use super::pictures;
 use super::viewer::{RESTS, SIZE, SOON, Server, at_rest, middle, place, shown, started};
 
 /// A folder with scenes of this repository, a small mesh, and the textures in their place.
-fn laid_out() -> TempDir {
+pub(crate) fn laid_out() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let files = ["scenes/cutouts.json", "scenes/hard/far-from-origin.json"];
@@ -28,7 +28,7 @@ fn laid_out() -> TempDir {
 }
 
 /// The distance between the camera and the point that it looks at, and where it is.
-fn camera(browser: &mut Browser) -> (f64, [f64; 3]) {
+pub(crate) fn camera(browser: &mut Browser) -> (f64, [f64; 3]) {
     let found = browser.evaluate("[told.state.camera.location, told.state.camera.look]");
     let [location, look] =
         [0, 1].map(|point| [0, 1, 2].map(|axis| found[point][axis].as_f64().expect("a number")));
@@ -37,7 +37,11 @@ fn camera(browser: &mut Browser) -> (f64, [f64; 3]) {
 }
 
 /// Does what moves the camera, and gives the image from there at rest.
-fn moved(browser: &mut Browser, server: &Server, act: impl FnOnce(&mut Browser)) -> RgbImage {
+pub(crate) fn moved(
+    browser: &mut Browser,
+    server: &Server,
+    act: impl FnOnce(&mut Browser),
+) -> RgbImage {
     browser.evaluate("window.before = JSON.stringify(told.state.camera)");
     act(browser);
     browser.wait_for(&format!("JSON.stringify(told.state.camera) !== before && {RESTS}"));
@@ -269,7 +273,7 @@ fn halves_of_view_are_compared_and_a_pixel_is_followed() {
     let [x, y] = point.map(|at| at as u32);
     assert_eq!(browser.canvas("#image").get_pixel(x - 6, y).to_rgb().0, [0; 3]);
     drag(&mut browser, point, point);
-    browser.wait_for("document.querySelector('#record').innerText.includes('pixel [100, 70]')");
+    browser.wait_for("document.querySelector('#record').innerText.includes('pixel 100,70')");
     browser.settle();
     let cross = browser.canvas("#image").get_pixel(x - 6, y).to_rgb().0;
     assert!(cross.iter().all(|&level| level > 150), "{cross:?}");

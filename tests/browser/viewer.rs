@@ -19,9 +19,11 @@ pub(crate) const SOON: Duration = Duration::from_secs(10);
 pub(crate) const SIZE: [u32; 2] = [160, 120];
 
 /// Keeps what the server tells the page. A new state means new figures: until they are there, the old
-/// ones could pass for them.
+/// ones could pass for them. The page cannot read canvases, as in browsers that guard against being recognised.
 const SPY: &str = r#"
     window.told = { images: [], previews: 0 };
+    CanvasRenderingContext2D.prototype.getImageData = HTMLCanvasElement.prototype.toBlob =
+        () => { throw new Error("a canvas is read"); };
     window.WebSocket = class extends WebSocket {
         constructor(address) {
             super(address);

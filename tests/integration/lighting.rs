@@ -8,6 +8,7 @@ use exr::prelude::read_first_rgba_layer_from_file;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::srgb::srgb_encode;
+use wavecrest_core::plan::schedule::UNPLANNED;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_image::aov::{Layer, Request, layers};
 use wavecrest_image::look::Look;
@@ -129,6 +130,40 @@ fn clay_leaves_the_ground_as_the_background() {
     let plain = lit(Lighting::default());
     let (dull, plain) = (mesh[mesh.len() / 2], levels(&plain, &image_of(&plain, 0), MESH));
     assert!(dull + 0.05 < plain[plain.len() / 2], "the mesh is of clay: {dull}");
+}
+
+#[test]
+fn looks_show_the_file_without_what_is_added_to_it() {
+    let corners = |least: f64, most: f64| {
+        (0..8).map(move |i| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { least } else { most }))
+    };
+    let points = corners(-5.0, 5.0).chain(corners(-1.0, 1.0));
+    let mut room: String = points.map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    for first in [1, 9] {
+        for [a, b, c, d] in
+            [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+        {
+            room += &format!("f {} {} {} {}\n", first + a, first + b, first + c, first + d);
+        }
+    }
+    let folder = folder();
+    put(folder.path(), "room.obj", &room);
+    let shapes = |look| {
+        let options = SceneOptions { look, passes: &UNPLANNED, ..SceneOptions::default() };
+        let loaded = load(&folder.path().join("room.obj"), &LoadOptions::default());
+        ready_by(loaded, options).appearance.shapes.len()
+    };
+    // A closed room gets a lamp, which lights its edges, too.
+    for (look, expected) in [
+        (None, 2),
+        (Some(Look::Clay), 2),
+        (Some(Look::Wireframe), 2),
+        (Some(Look::Ids), 1),
+        (Some(Look::Depth), 1),
+        (Some(Look::Uv), 1),
+    ] {
+        assert_eq!(shapes(look), expected, "{look:?}");
+    }
 }
 
 #[test]

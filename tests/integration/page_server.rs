@@ -1,6 +1,7 @@
 //! The server of the page that `view` shows: what it refuses, what it bounds, and what does not end it.
 
 mod client;
+mod proxy;
 mod slow;
 
 use std::io::{Read, Write};
@@ -10,7 +11,7 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use crate::support::*;
-use client::{PING, Shown, TEXT, UPGRADE, frame};
+use client::{CLOSE, PING, Shown, TEXT, UPGRADE, frame};
 
 /// Statuses, with the requests that get them: method, path and headers.
 const REFUSED: &str = "\
@@ -27,12 +28,26 @@ const REFUSED: &str = "\
 404 POST / Host:HOST
 400 GET /TOKEN/
 400 GET /TOKEN/ Host:HOST Host:HOST
-403 GET /TOKEN/ Host:127.0.0.1
 403 GET /TOKEN/ Host:elsewhere.example:PORT
+403 GET /TOKEN/ Host:localhost.elsewhere.example:PORT
+403 GET /TOKEN/ Host:elsewhere.example@:PORT
+403 GET /TOKEN/ Host:127.0.0.1.elsewhere.example
 403 GET /TOKEN/ Host:HOST.elsewhere.example
 403 GET /TOKEN/ Host:192.168.0.1:PORT
 403 GET /TOKEN/ Host:HOST Origin:null
 403 GET /TOKEN/ Host:HOST Origin:http://elsewhere.example
+403 GET /TOKEN/ Host:HOST Origin:http://127.0.0.1
+403 GET /TOKEN/ Host:elsewhere.example Origin:http://elsewhere.example
+403 GET /TOKEN/socket Host:HOST Origin:ftp://HOST
+400 GET /TOKEN/ Host:HOST Origin:null Origin:null
+404 GET / Host:elsewhere.example
+403 GET /TOKEN/ Host:localhost.:PORT
+403 GET /TOKEN/ Host:page.localhost:PORT
+403 GET /TOKEN/ Host:localhost:99999
+403 GET /TOKEN/ Host:0.0.0.0:PORT
+403 GET /TOKEN/ Host:
+403 GET /TOKEN/ Host::PORT
+403 GET /TOKEN/socket Host:HOST Origin:http://localhost:PORT
 403 GET /TOKEN/socket Host:HOST
 426 GET /TOKEN/socket Host:HOST Origin:http://HOST";
 
@@ -73,7 +88,7 @@ fn silent_and_endless_connections_keep_nobody_waiting() {
     let begun = Instant::now();
     assert!(shown.page().starts_with("HTTP/1.1 200 "));
     assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
-    assert!(socket.probe([0.5, 0.5]).is_object());
+    assert!(socket.probe([0.5, 0.5]).is_string());
     drop(silent);
 
     let mut endless = shown.connect();
@@ -90,7 +105,7 @@ fn silent_and_endless_connections_keep_nobody_waiting() {
     assert_eq!(shown.ask("GET /TOKEN/ HTTP/1.1\r\nHo"), "");
     let waited = begun.elapsed().as_secs_f64();
     assert!((1.0..10.0).contains(&waited), "half a request is closed after {waited} s");
-    assert!(socket.probe([0.25, 0.5]).is_object());
+    assert!(socket.probe([0.25, 0.5]).is_string());
 }
 
 #[test]
@@ -99,9 +114,9 @@ fn a_page_that_floods_or_sends_what_is_none_is_closed_and_others_go_on() {
     let mut socket = shown.socket();
     socket.next("state");
     for (kind, content) in [(TEXT, r#"{"do":"taken"}"#), (TEXT, "{}"), (PING, "")] {
-        let sent = shown.socket().flood(&frame(kind, content.as_bytes()), 1 << 20);
+        let (sent, _) = shown.socket().flood(&frame(kind, content.as_bytes()), 1 << 20);
         assert!(sent < 1 << 20, "{content}");
-        assert!(socket.probe([0.5, f64::from(kind)]).is_object(), "{content}");
+        assert!(socket.probe([0.5, f64::from(kind)]).is_string(), "{content}");
     }
     let unmasked = [0x80 | TEXT, 2, b'{', b'}'];
     for wrong in [&*frame(TEXT, &[b' '; 4097]), &frame(TEXT, b"\xff"), &frame(3, b""), &unmasked] {
@@ -111,8 +126,25 @@ fn a_page_that_floods_or_sends_what_is_none_is_closed_and_others_go_on() {
     let longest = format!("{:4096}", r#"{"do":"taken"}"#);
     socket.send(&longest);
     socket.0.write_all(&frame(2, &[0; 9])).expect("a connection");
-    assert!(socket.probe([0.25, 0.5]).is_object());
+    assert!(socket.probe([0.25, 0.5]).is_string());
     assert!(shown.page().starts_with("HTTP/1.1 200 "));
+}
+
+/// Those that were there first stay, and another may come once one of them has gone.
+#[test]
+fn the_page_that_is_one_too_many_is_told_so_and_closed() {
+    let shown = Shown::begin();
+    let mut pages: Vec<_> = (0..16).map(|_| shown.socket()).collect();
+    pages.iter_mut().for_each(|page| drop(page.next("state")));
+    for _ in 0..3 {
+        let (_, told) = shown.socket().flood(&frame(CLOSE, b""), 1);
+        assert!(told.contains("Too many pages show this scene."), "{told}");
+    }
+    for (page, x) in pages.iter_mut().zip(1..) {
+        assert!(page.probe([0.5, 1.0 / f64::from(x)]).is_string(), "page {x}");
+    }
+    pages.swap_remove(7).flood(&frame(CLOSE, b""), 1);
+    shown.socket().next("state");
 }
 
 /// Requests that change nothing.
@@ -150,10 +182,47 @@ fn odd_numbers_change_nothing_and_end_nothing() {
             socket.send(&json!({"do": "zoom", "at": [0.5, 0.5], "by": by}).to_string());
             socket.send(r#"{"do":"orbit","by":[0,1e308]}"#);
         }
-        assert!(socket.probe([0.5, by]).is_object());
+        assert!(socket.probe([0.5, by]).is_string());
     }
     socket.send(r#"{"do":"side","side":"start"}"#);
     while socket.next("state")["camera"] != first["camera"] {}
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_ends_the_page_without_a_failure() {
+    let mut shown = Shown::begin();
+    shown.socket().next("state");
+    let id = shown.process.id().to_string();
+    let sent = std::process::Command::new("kill").args(["-s", "INT", &id]).status();
+    assert!(sent.expect("kill runs").success());
+    assert!(shown.process.wait().expect("it ends").success());
+}
+
+/// At the sky and at the floor: the first view has the same numbers again, and the floor is never passed.
+#[test]
+fn notches_lead_back_and_not_through_the_floor() {
+    let shown = Shown::begin();
+    let mut socket = shown.socket();
+    let first = socket.next("state")["camera"].take();
+    let (sky, floor) = ([0.04, 0.06], [0.54, 0.56]);
+    // What is met there after so many movements.
+    let mut zoomed = |at: [f64; 2], by: f64| {
+        let request = json!({"do": "zoom", "at": at, "by": by}).to_string();
+        (0..50).for_each(|_| socket.send(&request));
+        // Within the pixel, but at another place each time.
+        socket.probe([at[0], at[1] + by / 1000.0]).to_string()
+    };
+    for by in [1.0, 2.0, -1.0, -2.0] {
+        let met = zoomed(sky, by);
+        assert!(met.contains("hits nothing"), "{by}: {met}");
+    }
+    assert_eq!(shown.socket().next("state")["camera"], first);
+    for by in [1.0, 2.0, 0.5, 3.0, 0.1] {
+        let met = zoomed(floor, by);
+        assert!(met.contains("of scene.shapes[0]"), "{by}: {met}");
+    }
+    assert_ne!(shown.socket().next("state")["camera"], first);
 }
 
 /// What is shown and saved stays what was read.
@@ -170,14 +239,13 @@ fn a_file_that_changes_or_vanishes_neither_ends_the_page_nor_mixes_in() {
     let saved = |shown: &Shown| shown.ask("GET /TOKEN/scene.json HTTP/1.1\r\nHost: HOST\r\n\r\n");
     let before = saved(&shown);
     std::fs::write(&file, "{}").expect("a file");
-    for gone in [false, true] {
+    for (gone, look) in [(false, "depth"), (true, "uv")] {
         if gone {
             std::fs::remove_file(&file).expect("it is there");
         }
-        socket.send(r#"{"do":"look","look":"depth"}"#);
-        let told = socket.next("error")["message"].take().to_string();
-        assert!(told.contains("scene.json has changed since it was read"), "{told}");
-        assert!(socket.probe([0.5, 0.25]).is_object());
+        socket.send(&json!({"do": "look", "look": look}).to_string());
+        while socket.next("state")["look"] != look {}
+        assert!(socket.probe([0.5, 0.25]).is_string());
         let without_date =
             |answer: &str| answer.split_once("\r\n\r\n").expect("a body").1.to_owned();
         assert_eq!(without_date(&saved(&shown)), without_date(&before));
@@ -208,7 +276,7 @@ fn the_address_among_the_arguments_of_the_browser_leads_to_the_page_once() {
     assert!(once.len() == shown.token.len() && once != shown.token, "{address}");
     let ask = || shown.ask(&format!("GET /{once}/ HTTP/1.1\r\nHost: HOST\r\n\r\n"));
     let first = ask();
-    let page = format!("location: /{}/\r\n", shown.token);
+    let page = format!("location: ../{}/\r\n", shown.token);
     assert!(first.starts_with("HTTP/1.1 303 ") && first.contains(&page), "{first}");
     assert!(ask().starts_with("HTTP/1.1 404 "));
 }

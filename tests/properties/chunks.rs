@@ -43,6 +43,19 @@ fn mixture(count: u32) -> Geometry {
     geometry
 }
 
+/// Needles from one corner, of which some are there often, so that they are in a fan and in a heap.
+fn needles(count: u32) -> Geometry {
+    let mut geometry = Geometry { positions: vec![Vec3::splat(1.0)].into(), ..Geometry::default() };
+    for i in 0..count {
+        let [x, y, z, _] = random(i, 30);
+        let tip = Vec3::new(x, y, z) * 9.0;
+        geometry.positions.extend([tip, tip + Vec3::new(0.05, 0.02, 0.0)]);
+        let needle = [0, 2 * i + 1, 2 * i + 2];
+        geometry.triangles.extend(vec![needle; if i == 7 { 90 } else { 1 }]);
+    }
+    geometry
+}
+
 /// Every other ray ends on its way.
 fn rays() -> Vec<Ray> {
     let ray = |i| {
@@ -68,6 +81,16 @@ const CHUNKED: [Preset; 5] =
 
 fn cut_accel(geometry: &Geometry, preset: Preset, cut: ChunkSizes) -> Accel {
     Accel::in_chunks(geometry.clone(), preset, cut)
+}
+
+#[test]
+fn a_tree_over_a_fan_answers_as_brute_force_does() {
+    let (geometry, rays) = (needles(1200), rays());
+    let expected = brute(&geometry, &rays);
+    for (preset, cut) in CHUNKED.into_iter().flat_map(|p| [(p, CUTS[2]), (p, cut(5000, 8, 400))]) {
+        let mut accel = cut_accel(&geometry, preset, cut);
+        check(&format!("{preset:?} {cut:?}"), &mut accel, &rays, &expected);
+    }
 }
 
 #[test]

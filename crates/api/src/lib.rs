@@ -117,8 +117,8 @@
 //! use wavecrest_api::{Accel, Geometry, Preset, Ray};
 //!
 //! let geometry = Geometry {
-//!     positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
-//!     triangles: vec![[0, 1, 2]],
+//!     positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y].into(),
+//!     triangles: vec![[0, 1, 2]].into(),
 //!     ..Geometry::default()
 //! };
 //! let accel = Accel::new(geometry, Preset::Fast);
@@ -186,11 +186,14 @@ pub mod session;
 
 // Errors, warnings, options that have names, and memory.
 pub use wavecrest_base::choice::Choice;
-pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning, did_you_mean};
 pub use wavecrest_base::{memory, parallel};
 
 // From a scene file to a prepared scene.
+pub use wavecrest_base::shared::Shared;
+pub use wavecrest_core::plan::schedule::{PASSES, UNPLANNED};
 pub use wavecrest_core::prepared::PreparedScene;
+pub use wavecrest_image::look::Look;
 pub use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
 pub use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 pub use wavecrest_scene::load::{
@@ -216,7 +219,7 @@ pub use wavecrest_image::farm::{Author, Identity, Pass, Passes};
 pub use wavecrest_image::metadata::{Channel, Entry, Extras, Values};
 pub use wavecrest_image::read::read as read_image;
 pub use wavecrest_image::write::{
-    Format, Transfer, write as write_image, write_with as write_image_with,
+    Develop, Format, Tone, Transfer, write as write_image, write_with as write_image_with,
 };
 
 // Differences between images.

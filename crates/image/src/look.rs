@@ -9,7 +9,7 @@
 //! | uv | texture coordinates: u as red, v as green, a checker of 16 by 16 fields as blue |
 //! | ids | each object in its own colour, or each triangle of a single mesh |
 //!
-//! Clay and uv replace materials and textures before the scene is extracted. The others come from a
+//! Clay and uv replace materials and textures while the scene is extracted. The others come from a
 //! pass over the camera rays. The colours of all but clay and wireframe are encoded display values,
 //! to be written with [`Transfer::Linear`](super::write::Transfer::Linear).
 

@@ -40,6 +40,9 @@ pub struct Develop {
 }
 
 impl Develop {
+    /// The largest exposure in stops, in both directions.
+    pub const MOST_STOPS: f32 = 64.0;
+
     /// The factor on all light.
     pub fn factor(&self) -> f32 {
         libm::exp2f(self.exposure)
@@ -47,7 +50,7 @@ impl Develop {
 
     /// The developed film. `alpha` is the coverage of each pixel, if any is partial: colours are
     /// premultiplied by it before and after.
-    pub(super) fn film(&self, film: &Film, alpha: Option<&[f32]>) -> Film {
+    pub fn film(&self, film: &Film, alpha: Option<&[f32]>) -> Film {
         let factor = self.factor();
         let mut developed = film.clone();
         for (i, pixel) in developed.pixels_mut().iter_mut().enumerate() {

@@ -7,7 +7,7 @@
 //! [`AreaLight`] and the geometry of its shape. Ambient light by the normal is an entity with [`Sky`], what surrounds the
 //! scene one with [`Environment`]. The camera has [`View`], [`ThinLens`] unless it is a pinhole, and [`CameraPath`] if it
 //! moves. An instance has [`InstanceOf`] in place of a shape's geometry. One entity holds [`Settings`].
-//! A ground that is added to a file without lights is a shape with [`Ground`].
+//! A shape that is added to a file without lights has [`Added`].
 //!
 //! Lengths are in the scene's own unit; colours are linear, 0 to 1. Numbers keep the precision of
 //! the file; the systems round them once, after the transform.
@@ -36,9 +36,14 @@ pub use crate::texture_source::TextureSource;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JsonPath(pub String);
 
-/// Marks the ground that is added to a file without lights, and is no part of the file.
+/// A shape that is added to a file without lights, and is no part of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Ground;
+pub enum Added {
+    /// The ground on which it stands.
+    Ground,
+    /// The lamp of a closed room.
+    Lamp,
+}
 
 /// The index of the entity among the shapes, or among the lights, of the file. Primitives and
 /// lights are numbered in this order, because a world does not keep one.

@@ -101,12 +101,12 @@ fn load_standalone(
 /// use wavecrest_scene::load::{LoadOptions, load_mesh};
 /// use wavecrest_scene::mesh::MeshData;
 ///
-/// let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
-/// let mesh = MeshData { positions, triangles: vec![[0, 1, 2]], ..MeshData::default() };
+/// let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y].into();
+/// let mesh = MeshData { positions, triangles: vec![[0, 1, 2]].into(), ..MeshData::default() };
 /// let scene = load_mesh(mesh.clone(), "triangle".as_ref(), &LoadOptions::default())?;
 /// assert!(scene.warnings.is_empty() && scene.notes.len() == 1);
 ///
-/// let wrong = MeshData { triangles: vec![[0, 1, 3]], ..mesh };
+/// let wrong = MeshData { triangles: vec![[0, 1, 3]].into(), ..mesh };
 /// let error = load_mesh(wrong, "triangle".as_ref(), &LoadOptions::default()).err().unwrap();
 /// assert!(error.to_string().starts_with("triangle: triangle 0: "), "{error}");
 /// # Ok::<(), wavecrest_base::error::Error>(())
@@ -165,7 +165,7 @@ fn loaded(mut world: World, notes: Notes<'_>, told: String) -> Result<LoadedScen
     Ok(LoadedScene { file, world, warnings, notes, files, folder })
 }
 
-/// A copy shares the arrays of meshes, so that it takes next to no time and memory.
+/// A copy shares the arrays of meshes. It has no components but those that loading adds.
 impl Clone for LoadedScene {
     fn clone(&self) -> Self {
         let Self { file, world, warnings, notes, files, folder } = self;

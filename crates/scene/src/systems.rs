@@ -2,11 +2,12 @@
 //!
 //! | system | reads | leaves |
 //! |---|---|---|
+//! | `looks` | surfaces, what is added to files | for a look: the surfaces that it shows |
 //! | `strip` | unlit materials, metal maps | of their surfaces what counts |
 //! | `frame` | the view, settings, all that shines | the offset of the scene's origin, the camera in all frames, which rays can show anything |
 //! | `placement` | shapes, instances, transforms | shapes where they are shown |
 //! | `culling` | boxes of shapes, cameras, lights | what no ray can meet, of which nothing is stored; what mirrors and transparent surfaces show |
-//! | `geometry` | shapes, whose meshes it moves out of the world | positions, triangles, quads, spheres, mesh attributes, what shadow rays pass; an entity for each shape |
+//! | `geometry` | shapes, whose meshes it takes out of the world | positions, triangles, quads, spheres, mesh attributes, what shadow rays pass; an entity for each shape |
 //! | `materials` | materials | one row of numbers for each shape, and bounds on it |
 //! | `lights` | lights and their shapes | an entity for each light, with sampling data |
 //! | `sky` | ambient light, the environment | light by the normal, the colour of an even environment |
@@ -217,7 +218,7 @@ impl Extracted {
         self.options.bvh.unwrap_or_else(chosen)
     }
 
-    /// Builds the tree: the last system.
+    /// Builds the tree by this preset, whatever the options say, for their kernel and instruction set: the last system.
     pub fn build(mut self, preset: Preset) -> PreparedScene {
         Stage::Build.begin();
         self.scene.accel.rebuild(preset);

@@ -71,7 +71,7 @@ fn an_exr_file_without_colours_or_with_many_is_told_what_it_has() {
     assert_eq!(
         told(read_parts(&[&[("a.Y", 1.0), ("b.Y", 1.0)]])),
         "a.exr: cannot read the image: it has several layers of colours: a, b; save the one that \
-         you want: oiiotool IN --ch a.R,a.G,a.B -o OUT"
+         you want: oiiotool IN --ch \"a.Y\" -o OUT"
     );
 }
 

@@ -12,13 +12,14 @@ use crate::support::*;
 
 /// The longest wait for anything: shorter than the silence after which the server closes a WebSocket.
 const PATIENCE: Duration = Duration::from_secs(15);
+pub(super) const CLOSE: u8 = 8;
 pub(super) const PING: u8 = 9;
 pub(super) const TEXT: u8 = 1;
 
 /// The command, which shows a page.
 pub(super) struct Shown {
-    process: Child,
-    port: u16,
+    pub(super) process: Child,
+    pub(super) port: u16,
     pub(super) token: String,
 }
 
@@ -92,18 +93,10 @@ impl Shown {
     }
 
     /// A WebSocket on a connection that leads here.
-    pub(super) fn socket_on(&self, mut stream: TcpStream) -> Socket {
-        let request = format!("GET /TOKEN/{UPGRADE}Origin: http://HOST\r\n\r\n");
-        stream.write_all(self.filled(&request).as_bytes()).expect("a connection");
-        let mut head = Vec::new();
-        while !head.ends_with(b"\r\n\r\n") {
-            let mut byte = [0];
-            stream.read_exact(&mut byte).expect("a head");
-            head.extend(byte);
-        }
-        assert!(head.starts_with(b"HTTP/1.1 101 "), "{}", text(&head));
-        assert!(text(&head).contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), "{}", text(&head));
-        Socket(stream)
+    pub(super) fn socket_on(&self, stream: TcpStream) -> Socket {
+        let [path, host, origin] =
+            ["/TOKEN/", "HOST", "http://HOST"].map(|words| self.filled(words));
+        Socket::open(stream, &path, &host, &origin).unwrap_or_else(|told| panic!("{told}"))
     }
 }
 
@@ -112,7 +105,7 @@ pub(super) const UPGRADE: &str = "socket HTTP/1.1\r\nHost: HOST\r\nConnection: U
     Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
 
 /// What comes until the end of a connection, however it ends.
-fn rest(stream: &mut TcpStream) -> String {
+pub(super) fn rest(stream: &mut TcpStream) -> String {
     let mut bytes = Vec::new();
     let ended = stream.read_to_end(&mut bytes);
     let kind = ended.map_err(|error| error.kind());
@@ -131,6 +124,28 @@ pub(super) fn frame(kind: u8, content: &[u8]) -> Vec<u8> {
 }
 
 impl Socket {
+    /// The WebSocket of the page at a path, or the answer in its place.
+    pub(super) fn open(
+        mut stream: TcpStream,
+        path: &str,
+        host: &str,
+        origin: &str,
+    ) -> Result<Self, String> {
+        let request = format!("GET {path}{UPGRADE}Origin: {origin}\r\n\r\n");
+        stream.write_all(request.replace("HOST", host).as_bytes()).expect("a connection");
+        let mut head = Vec::new();
+        while !head.ends_with(b"\r\n\r\n") {
+            let mut byte = [0];
+            stream.read_exact(&mut byte).expect("a head");
+            head.extend(byte);
+        }
+        if !head.starts_with(b"HTTP/1.1 101 ") {
+            return Err(text(&head).to_owned() + &rest(&mut stream));
+        }
+        assert!(text(&head).contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), "{}", text(&head));
+        Ok(Self(stream))
+    }
+
     pub(super) fn send(&mut self, request: &str) {
         self.0.write_all(&frame(TEXT, request.as_bytes())).expect("a connection");
     }
@@ -174,10 +189,9 @@ impl Socket {
         }
     }
 
-    /// Sends until the server closes; returns how many of at most `most` were sent.
-    pub(super) fn flood(mut self, frame: &[u8], most: usize) -> usize {
+    /// Sends until the server closes; returns how many of at most `most` were sent, and what it said last.
+    pub(super) fn flood(mut self, frame: &[u8], most: usize) -> (usize, String) {
         let sent = (0..most).take_while(|_| self.0.write_all(frame).is_ok()).count();
-        rest(&mut self.0);
-        sent
+        (sent, rest(&mut self.0))
     }
 }

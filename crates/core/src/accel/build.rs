@@ -12,6 +12,7 @@ mod chunked;
 mod coincident;
 mod demand;
 mod entries;
+mod fans;
 mod leaves;
 mod order;
 mod piece;

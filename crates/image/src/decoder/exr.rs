@@ -35,12 +35,19 @@ impl<'a> Exr<'a> {
     /// Reads the header, and chooses channels.
     pub(super) fn new(content: Box<dyn Content + 'a>) -> ImageResult<Self> {
         let reader = exr::block::read(content, false).map_err(failed)?;
-        let found = reader.headers().iter().map(colors);
-        let numbered = found.enumerate().find(|(_, colors)| !matches!(colors, Ok(None)));
-        let Some((part, colors)) = numbered else { return Err(no_colors(reader.headers()).into()) };
-        let colors = colors?.unwrap_or(Colors([0; 3], None));
-        can_read(&reader.headers()[part])?;
-        Ok(Self { reader, part, colors })
+        let headers = reader.headers();
+        let choice =
+            |part: &Header| colors(part)?.map(|found| can_read(part).map(|()| found)).transpose();
+        // One that can be read, even after others that cannot.
+        let mut refused = None;
+        for (part, header) in headers.iter().enumerate() {
+            match choice(header) {
+                Ok(Some(colors)) => return Ok(Self { part, colors, reader }),
+                Ok(None) => {}
+                Err(fault) => refused = refused.or(Some(fault)),
+            }
+        }
+        Err(refused.unwrap_or_else(|| no_colors(headers)).into())
     }
 
     fn window(&self) -> IntegerBounds {
@@ -55,7 +62,10 @@ fn colors(part: &Header) -> Result<Option<Colors>, Fault> {
     let mut layers: BTreeMap<&str, [Option<usize>; KNOWN.len()]> = BTreeMap::new();
     for (i, name) in names.iter().enumerate() {
         let (layer, own) = name.rsplit_once('.').unwrap_or(("", name));
-        if let Some(place) = KNOWN.iter().position(|known| known.eq_ignore_ascii_case(own)) {
+        // In layers small letters are also those of other things, such as numbers of objects.
+        let is_known =
+            |known: &&str| *known == own || layer.is_empty() && known.eq_ignore_ascii_case(own);
+        if let Some(place) = KNOWN.iter().position(|known| is_known(&known)) {
             layers.entry(layer).or_default()[place].get_or_insert(i);
         }
     }
@@ -69,12 +79,17 @@ fn colors(part: &Header) -> Result<Option<Colors>, Fault> {
     match found[..] {
         [] => Ok(None),
         [(_, colors)] | [("", colors), ..] => Ok(Some(colors)),
-        [(first, _), ..] => {
+        [(_, Colors(first, _)), ..] => {
+            // Grey is the same three times.
+            let mut channels = first.map(|channel| &*names[channel]).to_vec();
+            channels.dedup();
+            let channels = channels.join(",");
             let names = listed(found.iter().map(|(name, _)| (*name).to_owned()));
-            let channels = ["R", "G", "B"].map(|own| format!("{first}.{own}")).join(",");
             Err(Fault {
                 message: format!("it has several layers of colours: {names}"),
-                remedy: format!("save the one that you want: oiiotool IN --ch {channels} -o OUT"),
+                remedy: format!(
+                    "save the one that you want: oiiotool IN --ch \"{channels}\" -o OUT"
+                ),
             })
         }
     }
@@ -104,6 +119,19 @@ fn listed(mut names: impl Iterator<Item = String>) -> String {
 fn can_read(part: &Header) -> Result<(), Fault> {
     use Compression::{DWAA, DWAB, HTJ2K32, HTJ2K256};
     let whole = |one: &ChannelDescription| one.sampling == Vec2(1, 1);
+    // What is decoded at a time is allocated whole.
+    let block = part.max_block_byte_size() as u64;
+    if part.layer_size.0.max(part.layer_size.1) > super::MAX_SIDE as usize
+        || block > super::MAX_BYTES
+    {
+        let Vec2(width, height) = part.layer_size;
+        return Err(Fault {
+            message: format!(
+                "its data window has {width} x {height} pixels, in blocks of {block} bytes"
+            ),
+            remedy: "check that the file is whole, or use a smaller image".to_owned(),
+        });
+    }
     let (message, remedy) = match part.compression {
         _ if part.deep => ("deep data cannot be read".to_owned(), "--flatten"),
         DWAA(_) | DWAB(_) | HTJ2K32 | HTJ2K256 => {

@@ -37,9 +37,14 @@ impl<'a> Radiance<'a> {
                 _ => {}
             }
         }
+        // Their inverses are numbers of single precision, too.
+        if !made_with.iter().all(|factor| (1e-30..=1e30).contains(factor)) {
+            let message = format!("EXPOSURE and COLORCORR of its header multiply to {made_with:?}");
+            return Err(Fault { message, remedy: "save it again without them".into() }.into());
+        }
         let size = line(&mut lines)?;
         if !size.split_whitespace().step_by(2).eq(["-Y", "+X"]) {
-            let message = format!("its rows are in the unusual order {size:?}");
+            let message = format!("its rows are in the unusual order {:?}", beginning(&size));
             return Err(Fault { message, remedy: "save it with the top row first".into() }.into());
         }
         let head = Cursor::new(format!("#?RADIANCE\n\n{size}\n"));
@@ -59,8 +64,14 @@ fn line(lines: &mut impl BufRead) -> ImageResult<String> {
     Ok(String::from_utf8_lossy(bytes.trim_ascii_end()).into_owned())
 }
 
+/// What an error has room for.
+fn beginning(text: &str) -> &str {
+    const MOST: usize = 80;
+    text.char_indices().nth(MOST).map_or(text, |(end, _)| &text[..end])
+}
+
 fn check_format(format: &str) -> Result<(), Fault> {
-    let message = format!("its format {format:?} is unknown");
+    let message = format!("its format {:?} is unknown", beginning(format));
     match format {
         "32-bit_rle_rgbe" => Ok(()),
         "32-bit_rle_xyze" => Err(Fault { message, remedy: "use: ra_xyze -r IN OUT".to_owned() }),
@@ -70,14 +81,13 @@ fn check_format(format: &str) -> Result<(), Fault> {
 
 /// The factors of a line: one, or one for each of three colours.
 fn factors(key: &str, text: &str) -> Result<[f64; 3], Fault> {
-    // Their inverses are numbers of single precision, too.
-    let is_good = |factor: &f64| (1e-30..=1e30).contains(factor);
+    let is_good = |factor: &f64| *factor > 0.0;
     let parsed = text.split_whitespace().map(|word| word.parse().ok().filter(is_good));
     match (key, parsed.collect::<Option<Vec<f64>>>().as_deref()) {
         ("EXPOSURE", Some(&[all])) => Ok([all; 3]),
         ("COLORCORR", Some(&[r, g, b])) => Ok([r, g, b]),
         _ => Err(Fault {
-            message: format!("{key} of its header is {:?}", text.trim()),
+            message: format!("{key} of its header is {:?}", beginning(text.trim())),
             remedy: "EXPOSURE is one number above 0, COLORCORR three".to_owned(),
         }),
     }

@@ -113,6 +113,9 @@ impl PrimitiveReader<'_> {
         pose: &Pose,
         mesh: &mut MeshData,
     ) -> Result<()> {
+        if pose.weights.is_empty() && pose.skin.is_none() {
+            return Ok(());
+        }
         if !pose.weights.is_empty() {
             self.check_targets(vertices.of, &pose.weights)?;
             self.morph(vertices, "POSITION", &pose.weights, &mut mesh.positions)?;

@@ -3,16 +3,19 @@
 use hecs::{EntityBuilder, EntityRef, World};
 
 use crate::components::{
-    AreaLight, CameraPath, CutOut, DirectionalLight, Disk, Environment, Facing, FreeCamera, Ground,
+    Added, AreaLight, CameraPath, CutOut, DirectionalLight, Disk, Environment, Facing, FreeCamera,
     Hidden, InstanceOf, JsonPath, Maps, Material, Mesh, MeshFile, Name, Order, PointLight, Quad,
     Settings, Shading, Sides, Sky, Sphere, Spot, TextureRef, ThinLens, Transform, Transparency,
     Triangle, View,
 };
 
-/// The same entities with the same components. Arrays of meshes are shared.
+/// The same entities with the same components, of the kinds that loading adds. Arrays of meshes are shared.
 pub(super) fn of(world: &World) -> World {
+    let mut all: Vec<EntityRef<'_>> = world.iter().collect();
+    // Numbers that are passed over are searched for later, one by one.
+    all.sort_unstable_by_key(|entity| entity.entity().id());
     let mut copy = World::new();
-    for entity in world {
+    for entity in all {
         copy.spawn_at(entity.entity(), copied(entity).build());
     }
     copy
@@ -26,10 +29,10 @@ macro_rules! copied_if_there {
     }};
 }
 
-/// The components of an entity, of every kind that loading adds.
+/// The components of an entity.
 fn copied(entity: EntityRef<'_>) -> EntityBuilder {
     let copy = copied_if_there!(entity:
-        JsonPath, Order, Name, Ground, Settings,
+        JsonPath, Order, Name, Added, Settings,
         View, ThinLens, CameraPath, FreeCamera,
         Environment, Sky, AreaLight, DirectionalLight, PointLight, Spot,
         Mesh, MeshFile, Triangle, Quad, Sphere, Disk,

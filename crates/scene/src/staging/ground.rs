@@ -12,7 +12,7 @@ use wavecrest_core::math::float::MAX_COORDINATE;
 use super::camera::Framed;
 use super::{BoundingSphere, Scenery};
 use crate::components::{
-    DirectionalLight, Ground, JsonPath, Material, Mesh, Name, Order, Shading, Sides, Transform,
+    Added, DirectionalLight, JsonPath, Material, Mesh, Name, Order, Shading, Sides, Transform,
 };
 use crate::mesh::MeshData;
 use crate::systems::bounds::{Ends, corners};
@@ -65,7 +65,13 @@ pub(super) fn spawn(
     let names = (Order(u32::MAX), JsonPath("the ground".into()), Name("ground".into()));
     let mesh = Mesh { data, ..Mesh::default() };
     let mut ground = EntityBuilder::new();
-    ground.add_bundle(names).add_bundle((Ground, material, mesh, Sides::Front, Shading::Flat));
+    ground.add_bundle(names).add_bundle((
+        Added::Ground,
+        material,
+        mesh,
+        Sides::Front,
+        Shading::Flat,
+    ));
     if is_far {
         ground.add(Transform(DAffine3::from_translation(origin)));
     }

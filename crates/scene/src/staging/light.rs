@@ -13,8 +13,8 @@ use hecs::World;
 use super::camera::Framed;
 use super::{Scenery, ground};
 use crate::components::{
-    AreaLight, DirectionalLight, Encoding, Environment, Falloff, JsonPath, Maps, Mesh, Order,
-    PointLight, Sampling, Settings, Sky, TextureRef, Transparency,
+    Added, AreaLight, DirectionalLight, Encoding, Environment, Falloff, JsonPath, Maps, Mesh,
+    Order, PointLight, Sampling, Settings, Sky, TextureRef, Transparency,
 };
 use crate::corners::{direction, quad_has_area};
 use crate::mesh::MeshData;
@@ -176,7 +176,7 @@ pub(crate) fn allow_for_surfaces(world: &mut World) {
 }
 
 /// A flat lamp with these corners, equally bright at any distance.
-fn ceiling(corners: [DVec3; 4]) -> (Order, JsonPath, AreaLight, Mesh) {
+fn ceiling(corners: [DVec3; 4]) -> (Order, JsonPath, Added, AreaLight, Mesh) {
     let light = AreaLight {
         intensity: CEILING,
         color: DVec3::ONE,
@@ -190,7 +190,8 @@ fn ceiling(corners: [DVec3; 4]) -> (Order, JsonPath, AreaLight, Mesh) {
         triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
         ..Default::default()
     };
-    (Order(0), JsonPath("the lamp".to_owned()), light, Mesh { data, ..Mesh::default() })
+    let mesh = Mesh { data, ..Mesh::default() };
+    (Order(0), JsonPath("the lamp".to_owned()), Added::Lamp, light, mesh)
 }
 
 /// The directions to the right, up and to the camera, for an upright viewer in front of the scene.

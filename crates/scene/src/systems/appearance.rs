@@ -7,7 +7,7 @@ use hecs::World;
 
 use super::surface::{SurfaceColumns, SurfaceComponents};
 use super::visibility::{Source, Visibility};
-use crate::components::Ground;
+use crate::components::Added;
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Appearance, Class, LazyImage, MeshAttributes, Property, Shape};
@@ -27,7 +27,7 @@ pub(super) fn run(
     let surfaces = world.view::<SurfaceColumns<'_>>();
     for (source, shape) in world.query::<(&Source, &Shape)>().iter() {
         let SurfaceComponents { place, name, .. } = SurfaceComponents::of(&surfaces, source.0);
-        if world.satisfies::<&Ground>(source.0) {
+        if world.get::<&Added>(source.0).is_ok_and(|added| *added == Added::Ground) {
             ground = Some(shapes.len());
         }
         paths.push(place.to_owned());

@@ -1,7 +1,7 @@
 //! Geometry: converts shapes to primitives in world space, in one set of arrays.
 //!
 //! Shapes keep the order of the file within their kind, and shapes of lights come last. Meshes are
-//! moved, not copied: the first one's arrays become the scene's, are extended once, and receive the
+//! moved, not copied, unless others own them, too: the first one's arrays become the scene's, are extended once, and receive the
 //! others, each of which is dropped before the next. A mesh that is shown twice or more is stored once, in its own
 //! space, and becomes a prototype with [`instances`]. Other prototypes are a few numbers, and a mesh that is shown
 //! once is best stored in world space: these become primitives of the scene's own. So do shapes of lights, whose

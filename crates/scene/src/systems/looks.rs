@@ -6,7 +6,7 @@ use glam::DVec3;
 use hecs::{Entity, Without, World};
 
 use crate::components::{
-    Channels, Encoding, Filter, Ground, InstanceOf, LookUp, Maps, Material, Mesh, TextureRef,
+    Added, Channels, Encoding, Filter, InstanceOf, LookUp, Maps, Material, Mesh, TextureRef,
     TextureSource, Wrap,
 };
 use crate::query::{change, remove};
@@ -25,23 +25,30 @@ pub(super) fn show(world: &mut World, look: Look) {
     }
 }
 
-/// Removes what a look does not show: an added ground is no part of the file, and has an edge and a depth of its own. Only
-/// clay, which is lit, has it.
+/// Removes what a look does not show: what is added to a file has edges and a depth of its own. Clay has all of it, as it
+/// is lit, and so edges have the light of the lamp.
 pub fn leave_out(world: &mut World, look: Look) {
-    if look == Look::Clay {
-        return;
-    }
-    let grounds = world.query_mut::<(Entity, &Ground)>().into_iter();
-    let grounds: Vec<_> = grounds.map(|(entity, _)| entity).collect();
-    for ground in grounds {
-        let _ = world.despawn(ground);
+    remove_added(world, |added| match look {
+        Look::Clay => false,
+        Look::Wireframe => added == Added::Ground,
+        _ => true,
+    });
+}
+
+/// Removes those of the shapes that are no part of the file.
+pub fn remove_added(world: &mut World, which: impl Fn(Added) -> bool) {
+    let added = world.query_mut::<(Entity, &Added)>().into_iter();
+    let added: Vec<_> =
+        added.filter(|(_, added)| which(**added)).map(|(entity, _)| entity).collect();
+    for entity in added {
+        let _ = world.despawn(entity);
     }
 }
 
 /// Gives every surface one matte grey, and no texture or other colour; except an added ground, whose
 /// edge would show.
 fn clay(world: &mut World) {
-    for material in world.query_mut::<Without<&mut Material, &Ground>>() {
+    for material in world.query_mut::<Without<&mut Material, &Added>>() {
         *material = Material { diffuse_color: CLAY, ..Material::MATTE };
     }
     change(world, |mesh: &mut Mesh| mesh.data.colors = None);

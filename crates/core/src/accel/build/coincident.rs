@@ -4,7 +4,7 @@
 //! A bottom-up builder does badly there: it merges one pair a round, with quadratic time and a tree
 //! as deep as the heap is large. A heap therefore enters the hierarchy as one box, which afterwards
 //! becomes a balanced tree ([`Heaps::open`]): its leaves are full, so that triangles are tested eight
-//! at a time.
+//! at a time. So do fans ([`fans`]).
 //!
 //! Of opaque triangles with the same corners only the first enters the tree, and of the shapes of lights, which
 //! are no members of the same heap: a ray meets all of them at the same t, where the lowest number wins. What is
@@ -19,6 +19,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
 use super::entries::Entry;
+use super::fans;
 use crate::geometry::Geometry;
 use crate::math::LANES;
 
@@ -54,16 +55,23 @@ impl Heaps {
     ) {
         self.members.clear();
         self.ranges.clear();
-        let found = heaps(boxes, whole);
-        if found.is_empty() {
+        let (heaps, mut fans) = (heaps(boxes, whole), fans::fans(singles));
+        fans.extend(fans::large(boxes));
+        if heaps.is_empty() && fans.is_empty() {
             return;
         }
         let mut is_alone = vec![true; boxes.len()];
-        for heap in &found {
-            heap.iter().for_each(|&i| is_alone[i as usize] = false);
+        let heaps = heaps.into_iter().map(|heap| (heap, false));
+        for (heap, is_fan) in heaps.chain(fans.into_iter().map(|fan| (fan, true))) {
+            // A member of a heap may be in a fan, too.
+            let own = heap.iter().filter(|&&i| std::mem::take(&mut is_alone[i as usize]));
+            let members: Vec<_> = own.map(|&i| (singles[i as usize], boxes[i as usize])).collect();
+            if members.is_empty() {
+                continue;
+            }
             let first = self.members.len();
-            let members = heap.iter().map(|&i| (singles[i as usize], boxes[i as usize])).collect();
-            self.members.extend(ordered(geometry, members));
+            let members = if is_fan { fans::ordered(&members) } else { ordered(geometry, members) };
+            self.members.extend(members);
             self.ranges.push(first..self.members.len());
         }
         let mut flags = is_alone.iter();

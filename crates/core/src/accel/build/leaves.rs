@@ -156,7 +156,7 @@ impl<const N: usize> LastLeaves<N> {
 }
 
 /// Writes the boxes' positions on the curve and their indices to `keys`, in rising order.
-fn sort(boxes: &[Aabb], keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
+pub(super) fn sort(boxes: &[Aabb], keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
     let center = |b: &Aabb| b.min + b.max;
     let low = boxes.iter().map(center).fold(Vec3A::INFINITY, Vec3A::min);
     let high = boxes.iter().map(center).fold(Vec3A::NEG_INFINITY, Vec3A::max);

@@ -101,7 +101,8 @@ impl Piece {
         self.entries.clear();
         self.entries.extend(numbers.iter().map(|number| number.load(Ordering::Relaxed)));
         self.build(plan);
-        let parts = self.emit(plan, parts);
+        // Those of a heap alone would be one to whoever joins them.
+        let parts = self.emit(plan, if self.members.alone() == 0 { 1 } else { parts });
         let new = &self.output.numbers;
         numbers.iter().zip(new).for_each(|(number, &new)| number.store(new, Ordering::Relaxed));
         parts
@@ -209,4 +210,39 @@ pub(super) fn to_obvhs(b: Aabb) -> obvhs::aabb::Aabb {
 
 pub(super) fn from_obvhs(b: &obvhs::aabb::Aabb) -> Aabb {
     Aabb { low: b.min.into(), high: b.max.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use obvhs::bvh2::DEFAULT_MAX_STACK_DEPTH;
+
+    use super::*;
+
+    /// Needles from one corner to a line, and such as begin beside it: each box is in the next, more or less.
+    #[test]
+    fn a_fan_takes_few_rounds() {
+        for begin in [0.0, 0.01] {
+            check_rounds(begin);
+        }
+    }
+
+    fn check_rounds(begin: f32) {
+        const COUNT: u32 = 5000;
+        let end = |i: u32| Vec3::new(1.0, i as f32 / COUNT as f32, 0.0);
+        let mut positions: Vec<_> = (0..=COUNT).map(end).collect();
+        positions.extend((0..COUNT).map(|i| end(i) * begin));
+        let needle = |i| [if begin > 0.0 { COUNT + 1 + i } else { COUNT + 1 }, i, i + 1];
+        let triangles = (0..COUNT).map(needle).collect();
+        let geometry = Geometry { positions: positions.into(), triangles, ..Geometry::default() };
+        let numbers: Vec<_> = (0..COUNT).map(AtomicU32::new).collect();
+        let extents = Aabb { low: Vec3::ZERO, high: Vec3::ONE };
+        for preset in Preset::ALL {
+            let mut piece = Piece::default();
+            let plan = BuildPlan::new(&geometry, preset, extents);
+            piece.parts(&plan, &numbers, 0..numbers.len(), 1);
+            // obvhs notes the rounds above that number.
+            assert_eq!(piece.bvh.max_depth, DEFAULT_MAX_STACK_DEPTH, "{preset}");
+        }
+    }
 }

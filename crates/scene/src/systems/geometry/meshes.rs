@@ -98,8 +98,9 @@ impl Meshes {
 }
 
 /// Moves `more` to the end of `all`, which will have `room` items in the end, each `shifted` by the
-/// number of positions `before` it; without a copy if `all` is empty and stays as it is, or nothing shares them.
-pub(super) fn append<T: Copy + Send>(
+/// number of positions `before` it. If `all` is empty it takes `more`,
+/// which is copied only if it is shared and has to grow.
+pub(super) fn append<T: Copy + Send + Sync>(
     all: &mut Shared<T>,
     more: Shared<T>,
     room: usize,
@@ -109,11 +110,7 @@ pub(super) fn append<T: Copy + Send>(
     if before == 0 {
         // There are no triangles either: they would need positions.
         *all = more;
-        if room > all.len() {
-            // Once, instead of by doubling. Large arrays are not copied for it: the system moves pages.
-            let further = room - all.len();
-            all.reserve_exact(further);
-        }
+        all.make_room(room);
     } else {
         let own = all.len();
         all.extend_from_slice(&more);

@@ -71,7 +71,7 @@ fn several_meshes_stand_one_behind_the_other() {
 #[test]
 fn a_transform_carries_every_position_in_place() {
     let (mut world, data) = (World::new(), strip(60_000));
-    let (place, before) = (data.positions.as_ptr(), data.positions.clone());
+    let (place, before) = (data.positions.as_ptr(), data.positions.to_vec());
     let transform = DAffine3::from_mat3_translation(
         DMat3::from_diagonal(DVec3::new(2.0, -1.0, 3.0)),
         DVec3::ONE,
