@@ -65,7 +65,7 @@ fn colors(part: &Header) -> Result<Option<Colors>, Fault> {
         // In layers small letters are also those of other things, such as numbers of objects.
         let is_known =
             |known: &&str| *known == own || layer.is_empty() && known.eq_ignore_ascii_case(own);
-        if let Some(place) = KNOWN.iter().position(|known| is_known(&known)) {
+        if let Some(place) = KNOWN.iter().position(is_known) {
             layers.entry(layer).or_default()[place].get_or_insert(i);
         }
     }
