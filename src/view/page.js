@@ -31,11 +31,14 @@
   // The connection.
   let socket = null;
   const send = (message) => { if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message)); };
+  const MOST_FAILURES = 10;
+  let failures = 0;
   function connect() {
     socket = new WebSocket(new URL("socket", location.href.replace(/^http/, "ws")));
     socket.binaryType = "arraybuffer";
     socket.onmessage = ({ data }) => {
       find("ended").hidden = true;
+      failures = 0;
       if (typeof data === "string") receive(JSON.parse(data));
       else receivePart(data);
     };
@@ -44,7 +47,9 @@
       write("ended-why", reason || "The server has ended.");
       find("ended").hidden = false;
       find("stage").hidden = true;
-      setTimeout(connect, 1000);
+      failures += 1;
+      // Somebody else may listen at the port of a server that has ended.
+      if (reason || failures < MOST_FAILURES) setTimeout(connect, 1000);
     };
   }
   // What to do with a message of each kind.
