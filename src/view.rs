@@ -93,7 +93,7 @@ pub(crate) struct ViewArgs {
 pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.input.check(&args.scene)?;
-    // It is read more than once.
+    // Before a server is started and a browser opened.
     read::open(&args.scene).map_err(|e| Error::io("cannot read the scene", &args.scene, e))?;
     if args.scene_options.input.is_transparent() {
         let error = Error::new(ErrorKind::Usage, "a page shows no transparent background");

@@ -183,7 +183,7 @@ impl<'a> Painter<'a> {
     }
 
     /// Prepares the scene once more: for another look, or because it is too far from where it was prepared for. If that
-    /// fails, pages are told, and keep what they show.
+    /// fails, pages show the error above the image that they have.
     fn prepare_again(&mut self) -> bool {
         let Self { args, exchange, take_away, look, .. } = *self;
         let prepared =

@@ -3,7 +3,7 @@
 //! The path of every resource starts with a random token; without it nothing is found. Who asks must
 //! name this machine ([`address`](super::address)), and the `Origin` of a WebSocket must be the page.
 //! Nothing in a request names a file. One thread serves all connections: each that has not asked for anything soon is
-//! closed, as are the oldest when there are too many. A page that is one too many is told so and closed.
+//! closed, as are the oldest when there are too many. A page beyond the most gets a reason and is closed.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -85,7 +85,7 @@ impl Site {
         if token != self.token && !is_once {
             return Err(StatusCode::NOT_FOUND);
         }
-        // Only who knows the address is told why.
+        // The reason is only for those who know the address: to others nothing is here.
         if !self.address.lets_in(host, origin, here) {
             return Err(StatusCode::FORBIDDEN);
         }

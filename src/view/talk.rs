@@ -1,4 +1,4 @@
-//! The talk with one page: it is told what changes on the board, and its requests are taken.
+//! The connection to one page: what changes on the board is sent, and requests are received.
 //!
 //! A page gets the next image when it has drawn the last, or a little before where the line is long; what a slow line has no
 //! room for waits on the board, where newer messages replace it. Nothing of this keeps from hearing the page: it is there
@@ -28,7 +28,8 @@ const SILENCE: Duration = Duration::from_secs(20);
 /// The longest message of a page in bytes, and the most in a pulse.
 const LONGEST_MESSAGE: usize = 4096;
 const MOST_MESSAGES: u32 = 2000;
-/// What the page beyond the most is told: a reason of at most 123 bytes, by which it knows that the server is there.
+/// The reason with which a page beyond the most is closed (at most 123 bytes: RFC 6455, section 5.5): it knows by it that
+/// the server is there.
 const TOO_MANY: &str = "Too many pages show this scene. This one goes on once another is closed.";
 
 /// Talks until the page is gone, hangs or floods.

@@ -4,6 +4,7 @@
 //! what the pixels were multiplied: they are divided by it, as Radiance does.
 
 use std::io::{BufRead, Chain, Cursor, Read as _};
+use std::ops::RangeInclusive;
 
 use image::codecs::hdr::HdrDecoder;
 use image::{ColorType, ImageDecoder, ImageResult};
@@ -12,6 +13,9 @@ use super::{Content, Fault, MAX_METADATA};
 
 /// The first bytes of such a file; the name of a program follows.
 pub(super) const MAGIC: &[u8] = b"#?";
+
+/// The factors that pixels may be divided by: with their inverses, normal numbers of single precision.
+const FACTORS: RangeInclusive<f64> = 1.0 / (f32::MAX as f64)..=1.0 / (f32::MIN_POSITIVE as f64);
 
 /// The decoder, with the header read.
 pub(super) struct Radiance<'a> {
@@ -37,8 +41,7 @@ impl<'a> Radiance<'a> {
                 _ => {}
             }
         }
-        // Their inverses are numbers of single precision, too.
-        if !made_with.iter().all(|factor| (1e-30..=1e30).contains(factor)) {
+        if !made_with.iter().all(|factor| FACTORS.contains(factor)) {
             let message = format!("EXPOSURE and COLORCORR of its header multiply to {made_with:?}");
             return Err(Fault { message, remedy: "save it again without them".into() }.into());
         }
