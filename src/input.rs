@@ -13,11 +13,13 @@ use crate::common::{
 };
 use crate::progress::{Display, Style};
 use wavecrest_api::{self as api, session::Session};
+use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
-use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
+use wavecrest_scene::components::Sampling;
+use wavecrest_scene::load::framing::{Fit, Fov, Framing, LookAt, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig, screen_color};
 use wavecrest_scene::load::{
     FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load,
@@ -34,6 +36,10 @@ pub(crate) struct InputOptions {
     /// scene; a lens multiplies them by its own. With a target error or a time, the most [default: those of the scene; 4 for a mesh]
     #[arg(long, value_name = "N", value_parser = whole(1..=MOST_SAMPLES))]
     pub(crate) samples: Option<u32>,
+    /// Distribution of the rays in each pixel: random, jittered or sobol; each then has one point on a lens
+    /// [default: that of the scene; jittered for a mesh]
+    #[arg(long, help_heading = IMAGE, value_name = "NAME", hide_possible_values = true, value_parser = choice::<Sampling>())]
+    pub(crate) sampler: Option<Sampling>,
     /// Width of the image in pixels; the height follows in proportion
     #[arg(long, help_heading = IMAGE, value_name = "PIXELS", value_parser = side)]
     pub(crate) width: Option<u32>,
@@ -57,18 +63,19 @@ pub(crate) struct InputOptions {
         conflicts_with = "camera"
     )]
     pub(crate) view: Option<Side>,
-    /// Place of the camera of a mesh or a glTF file, in its coordinates
+    /// Another place for the camera, in the coordinates of the file
     #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
-          conflicts_with_all = ["camera", "view", "fit", "turntable"])]
+          conflicts_with = "turntable")]
     pub(crate) from: Option<DVec3>,
-    /// Point that it looks at [default: the middle of everything]
+    /// Point that it looks at from there [default: what it looks at without]
     #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
           requires = "from")]
     pub(crate) at: Option<DVec3>,
-    /// Up axis of a mesh or a glTF file [default: y; z for STL, and for PLY that stands only along z]
-    #[arg(long, help_heading = VIEW, value_name = "AXIS", value_parser = choice::<Up>(), allow_hyphen_values = true,
-          conflicts_with = "camera")]
-    pub(crate) up: Option<Up>,
+    /// Up axis of a mesh or a glTF file [default: y; z for STL, and for PLY that stands only along z]. Three numbers are
+    /// up in the image alone, with --from
+    #[arg(long, help_heading = VIEW, value_name = "AXIS|X,Y,Z", value_parser = with_names(&AXES, upward),
+          hide_possible_values = true, allow_hyphen_values = true)]
+    pub(crate) up: Option<Upward>,
     /// Angle of view of a mesh or a glTF file, across the shorter side of the image [default: 40; 60 in rooms]
     #[arg(long, help_heading = VIEW, value_name = "DEGREES", conflicts_with = "camera")]
     pub(crate) fov: Option<Fov>,
@@ -81,6 +88,9 @@ pub(crate) struct InputOptions {
     /// Lights of a mesh, or of a glTF file in place of its own [default: studio where it has none]
     #[arg(long, help_heading = VIEW, value_name = "RIG", value_parser = choice::<Rig>())]
     pub(crate) lights: Option<Rig>,
+    /// Keep the added lights where they are for the usual view, instead of moving them with the camera
+    #[arg(long, help_heading = VIEW)]
+    pub(crate) lights_stay: bool,
     /// Colour of a mesh alone where it has no material: three numbers from 0 to 1, or #rrggbb; in sRGB
     #[arg(long, help_heading = VIEW, value_name = "R,G,B", value_parser = screen_color)]
     pub(crate) color: Option<DVec3>,
@@ -104,13 +114,18 @@ impl InputOptions {
 
     /// The options for the loader.
     pub(crate) fn load_options(&self) -> LoadOptions {
-        let Self { allow_outside, up, fov, fit, turntable, .. } = *self;
+        let Self { allow_outside, view: side, fov, fit, turntable, sampler: sampling, .. } = *self;
         let [width, height] = self.size.map_or([self.width, self.height], |size| size.map(Some));
-        let side = self.from.map(|eye| Side::Point { eye, look: self.at }).or(self.view);
+        let (axis, up) = match self.up {
+            Some(Upward::Axis(axis)) => (Some(axis), None),
+            Some(Upward::Direction(up)) => (None, Some(up)),
+            None => (None, None),
+        };
         let usual = Lighting::default();
         let lighting = Lighting {
             rig: self.lights.unwrap_or(usual.rig),
             replaces: self.lights.is_some(),
+            stays: self.lights_stay,
             background: self.background,
             crease_degrees: self.crease.unwrap_or(usual.crease_degrees),
         };
@@ -119,9 +134,11 @@ impl InputOptions {
             width,
             height,
             antialias: self.samples.map(antialias),
+            sampling,
             camera: self.camera.clone(),
             allow_outside,
-            framing: Framing { side, up, fov, fit, turntable },
+            framing: Framing { side, up: axis, fov, fit, turntable },
+            look_at: self.from.map(|eye| LookAt { eye, target: self.at, up }),
             lighting,
             color: self.color,
             environment: self.environment.clone(),
@@ -135,6 +152,18 @@ impl InputOptions {
     /// If there is one, or the file has an unknown format.
     pub(crate) fn check(&self, file: &Path) -> Result<()> {
         let Self { lights, crease, color, environment, .. } = self;
+        let usage = |message: &str| Error::new(ErrorKind::Usage, message).in_file(file);
+        match self.up {
+            Some(Upward::Direction(_)) if self.from.is_none() => {
+                let error = usage("three numbers are up in the image of a camera from --from");
+                return Err(error.remedy("add --from, or use an axis, such as --up z"));
+            }
+            Some(Upward::Axis(_)) if self.camera.is_some() => {
+                let error = usage("--up with an axis has no effect on --camera");
+                return Err(error.remedy("leave out one of them"));
+            }
+            _ => {}
+        }
         let (option, remedy) = match FileFormat::of(file)? {
             FileFormat::Scene | FileFormat::Gltf if color.is_some() => {
                 ("--color", "leave it out, and change the colours of its materials")
@@ -162,13 +191,30 @@ impl InputOptions {
             }
             _ => return Ok(()),
         };
-        let error = Error::new(ErrorKind::Usage, format!("{option} has no effect on this file"));
-        Err(error.in_file(file).remedy(remedy))
+        Err(usage(&format!("{option} has no effect on this file")).remedy(remedy))
     }
 }
 
 /// Named views.
 const SIDES: [&str; 8] = ["front", "back", "left", "right", "top", "bottom", "iso", "inside"];
+
+/// Named up axes.
+const AXES: [&str; 6] = ["x", "y", "z", "-x", "-y", "-z"];
+
+/// What is up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Upward {
+    /// The axis of the file.
+    Axis(Up),
+    /// The direction in the image, and nothing else.
+    Direction(DVec3),
+}
+
+fn upward(text: &str) -> std::result::Result<Upward, String> {
+    let direction = || point(text).map(Upward::Direction).ok();
+    let wrong = || format!("use {}, or three numbers, such as 0,1,0", AXES.join(", "));
+    Up::by_name(text).map(Upward::Axis).or_else(direction).ok_or_else(wrong)
+}
 
 /// The size of an image in pixels.
 fn size(text: &str) -> std::result::Result<[u32; 2], String> {

@@ -106,10 +106,9 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     };
     let (listener, address) = Address::listen(name, port, &args.allow_origin).map_err(cannot)?;
     interrupt::expect();
-    let words = &command_words();
     let site = Arc::new(Site {
         exchange: Arc::default(),
-        take_away: TakeAway::new(&args.scene, given(words, &OF_MESHES), given(words, &OF_IMAGE)),
+        take_away: TakeAway::new(&args.scene, command_words()),
         turn: Arc::default(),
         token: token()?,
         once: token()?,
@@ -157,31 +156,6 @@ fn open(url: &str) -> io::Result<()> {
     let mut command = Command::new(program);
     command.args(first).arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     command.spawn().map(drop)
-}
-
-/// Options that change the meshes of a file, and that change the image of a scene file, with whether each has a value.
-const OF_MESHES: [(&str, bool); 5] = [
-    ("--camera", true),
-    ("--crease", true),
-    ("--color", true),
-    ("--environment", true),
-    ("--allow-outside", false),
-];
-const OF_IMAGE: [(&str, bool); 2] = [("--background", true), ("--seed", true)];
-
-/// Those of the `options` that the words of a command give, as they give them.
-fn given(words: &[String], options: &[(&str, bool)]) -> Vec<String> {
-    let mut found = Vec::new();
-    for (index, word) in words.iter().enumerate() {
-        let (name, value) =
-            word.split_once('=').map_or((&**word, None), |(name, v)| (name, Some(v)));
-        let Some((_, takes_value)) = options.iter().find(|(option, _)| *option == name) else {
-            continue;
-        };
-        let next = words.get(index + 1).filter(|_| *takes_value && value.is_none());
-        found.extend([word].into_iter().chain(next).cloned());
-    }
-    found
 }
 
 /// The secret part of the address: 128 random bits, in hexadecimal digits.

@@ -34,12 +34,10 @@ impl<'py> Options<'py> {
     /// How input is loaded.
     pub(crate) fn loading(&self) -> PyResult<api::LoadOptions> {
         let eye = self.get::<[f64; 3]>("eye")?;
-        let look = self.get::<[f64; 3]>("target")?.map(DVec3::from);
+        let target = self.get::<[f64; 3]>("target")?.map(DVec3::from);
+        let look_at = |eye: [f64; 3]| api::LookAt { eye: eye.into(), target, up: None };
         let framing = api::Framing {
-            side: match eye {
-                Some(eye) => Some(api::Side::Point { eye: eye.into(), look }),
-                None => self.parsed("view")?,
-            },
+            side: self.parsed("view")?,
             up: self.named("up")?,
             fov: self.parsed("fov")?,
             fit: self.parsed("fit")?,
@@ -55,6 +53,7 @@ impl<'py> Options<'py> {
                 Some(color) => Some(api::Background::Color(color.into())),
                 None => self.parsed("background")?,
             },
+            stays: false,
             crease_degrees: self.get("crease")?.unwrap_or(usual.crease_degrees),
         };
         Ok(api::LoadOptions {
@@ -63,6 +62,7 @@ impl<'py> Options<'py> {
             antialias: self.get("samples")?.map(api::antialias),
             camera: self.get("camera")?,
             framing,
+            look_at: eye.map(look_at),
             lighting,
             ..api::LoadOptions::default()
         })

@@ -41,8 +41,8 @@ def render(
     width, 4), with the coverage of the pixel from 0 to 1 as its last channel, by which the colours are multiplied.
 
     camera is the name of one in a glTF file, or its pose: a matrix of 4 x 4 numbers from the space of the camera, which
-    looks along -z with y up, to that of the scene. For a mesh or a glTF file eye is the place of the camera, and target the
-    point that it looks at, by default the middle of everything.
+    looks along -z with y up, to that of the scene. eye is another place for the camera, and target the point that it looks
+    at from there, by default the same as without.
 
     exposure, in stops of which each doubles the light, and tone, "clip" (default) or "filmic", develop the values of the
     image as the command does those of 8-bit formats.
@@ -72,7 +72,7 @@ def render(
         "height": _arrays.whole("height", "a whole number of pixels", height, 0, 2**32 - 1),
         "camera": name,
         "pose": pose,
-        **_points(eye, target, {"camera": camera, "view": view, "fit": fit}),
+        **_points(eye, target, camera),
         "view": _view(view),
         "up": _arrays.text("up", up),
         "fov": _written(_arrays.number("fov", "a number of degrees", fov)),
@@ -163,8 +163,8 @@ def _camera(value):
     return None, pose.tolist()
 
 
-def _points(eye, target, others):
-    """The points of a camera by name, where no others that place it are given."""
+def _points(eye, target, camera):
+    """The points of a camera by name, unless another one is given."""
     what = "three numbers of at most 2^40"
     points = {"eye": eye, "target": target}
     for name, value in points.items():
@@ -174,9 +174,8 @@ def _points(eye, target, others):
                 raise _native.Error(_arrays.wrong(name, what, value))
     if eye is None and target is not None:
         raise _native.Error("target: needs eye, the place of the camera")
-    for name, value in others.items():
-        if eye is not None and value is not None:
-            raise _native.Error(f"eye: cannot be used with {name}; leave out one of them")
+    if eye is not None and camera is not None:
+        raise _native.Error("eye: cannot be used with camera; leave out one of them")
     return points
 
 

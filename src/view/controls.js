@@ -119,7 +119,7 @@
   function pressKey(event) {
     // The release of a key may not be told while one of these is held, which may also lead to another window or layout.
     if (event.metaKey || event.altKey) letGo();
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, [type=range], dialog")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, [type=range], [type=number], dialog")) return;
     const key = nameOf(event);
     if (event.key === "?") find("help").showModal();
     else if (key in WALKS || key === "z") {

@@ -16,10 +16,8 @@ use super::request::Request;
 use wavecrest_base::error::Error;
 use wavecrest_base::{lock, memory, progress};
 use wavecrest_core::film::Film;
-use wavecrest_core::math::sampling::Points;
 use wavecrest_core::render::Watch;
 use wavecrest_image::write::Transfer;
-use wavecrest_scene::components::View;
 
 /// The most requests that wait.
 const MOST_REQUESTS: usize = 64;
@@ -114,10 +112,7 @@ impl From<Picture> for Posted {
 pub(super) struct Board {
     /// The last message of each kind, with the number of messages of its kind so far.
     pub(super) messages: [(u64, Option<Posted>); Kind::COUNT],
-    /// Where the camera is, once there is a scene, and the points in each pixel of the first half, unless they are those of
-    /// the file.
-    pub(super) view: Option<(View, Option<Points>)>,
-    /// The last whole image of the first half.
+    /// The last whole image, developed, of the first half.
     pub(super) image: Option<(Arc<Film>, Transfer)>,
 }
 
@@ -127,10 +122,17 @@ pub(super) struct Exchange {
     pub(super) inbox: Inbox,
     pub(super) board: watch::Sender<Board>,
     /// Whether a scene is being prepared.
-    pub(super) prepares: AtomicBool,
+    prepares: AtomicBool,
 }
 
 impl Exchange {
+    /// Begins the preparation of a scene, which ends when the answer is dropped.
+    pub(super) fn prepare(&self) -> Preparing<'_> {
+        progress::begin();
+        self.prepares.store(true, Ordering::Relaxed);
+        Preparing(self)
+    }
+
     /// Tells how far the preparation of a scene is, if one is being prepared.
     pub(super) fn send_progress(&self) {
         if self.prepares.load(Ordering::Relaxed) {
@@ -157,6 +159,15 @@ impl Exchange {
     /// Takes a message from the board.
     pub(super) fn withdraw(&self, kind: Kind) {
         self.board.send_modify(|board| board.messages[kind as usize].1 = None);
+    }
+}
+
+/// That a scene is being prepared.
+pub(super) struct Preparing<'a>(&'a Exchange);
+
+impl Drop for Preparing<'_> {
+    fn drop(&mut self) {
+        self.0.prepares.store(false, Ordering::Relaxed);
     }
 }
 

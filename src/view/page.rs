@@ -1,4 +1,5 @@
-//! The page: one HTML file, with its style sheet and its script, of which pointers and keys have a file of their own.
+//! The page: one HTML file, with its style sheet and its script, of which pointers and keys and the panels have files of
+//! their own.
 
 use std::sync::LazyLock;
 
@@ -11,7 +12,8 @@ pub(super) const POLICY: &str = "default-src 'none'; connect-src 'self'; img-src
 /// The whole page.
 pub(super) static HTML: LazyLock<String> = LazyLock::new(|| {
     let style = format!("{THEME}{}", include_str!("page.css"));
-    let controls = include_str!("controls.js");
+    let (controls, panels) = (include_str!("controls.js"), include_str!("panels.js"));
     let script = include_str!("page.js").replacen("// {{controls}}", controls, 1);
+    let script = script.replacen("// {{panels}}", panels, 1);
     include_str!("page.html").replacen("{{style}}", &style, 1).replacen("{{script}}", &script, 1)
 });

@@ -4,6 +4,8 @@
 //! render in progress. An image at rest has the bits of `wavecrest render` for its camera and settings; but a half in another
 //! precision than the command's searches the scene that was prepared for that.
 
+mod messages;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -11,22 +13,20 @@ use serde_json::{Value, json};
 
 use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
-use super::ready::Ready;
+use super::ready::{Ready, check_size};
 use super::refine::{HalfRender, Tried, Work, figures_of, rays};
-use super::request::{Half, Request};
+use super::request::{Half, Request, Shown};
 use super::showing::Showing;
 use super::steering::Steering;
 use super::take_away::TakeAway;
-use crate::explain;
+use crate::input::Upward;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
-use wavecrest_core::kernels::camera::Placement;
-use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::probe;
 use wavecrest_core::render::Watch;
 use wavecrest_core::render::work::RenderWork;
 use wavecrest_image::farm::{Author, Pass, Passes};
-use wavecrest_image::look::{self, Look};
+use wavecrest_image::look;
 use wavecrest_scene::components::View;
 
 /// Seconds of a frame while something moves, with some left for what moves it.
@@ -43,13 +43,15 @@ const PROBED: u32 = 4096;
 
 /// The scene, where it is seen from, and what is shown of it.
 pub(super) struct Painter<'a> {
-    args: &'a ViewArgs,
+    args: ViewArgs,
     exchange: &'a Exchange,
     take_away: &'a TakeAway,
     ready: Ready,
     steering: Steering,
     halves: Vec<Half>,
-    look: Option<Look>,
+    shown: Shown,
+    /// The size of the image as the command has it.
+    own_size: [u32; 2],
     /// For each half, what is rendered for this camera, and the figures of that.
     progress: [Option<HalfRender>; 2],
     figures: [Value; 2],
@@ -63,16 +65,24 @@ pub(super) struct Painter<'a> {
 /// # Errors
 /// If it cannot be loaded or prepared, or an image can no longer be decoded.
 pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) -> Result<()> {
-    let (ready, view) = Ready::open(args, exchange, take_away)?;
+    let input = &args.scene_options.input;
+    let up = match input.up {
+        Some(Upward::Axis(axis)) => Some(axis),
+        _ => None,
+    };
+    let (look, stays) = (args.look, input.lights_stay);
+    let first = |size| Shown { size, look, up, stays, exposure: 0.0, transfer: None };
+    let (ready, view, shown) = Ready::open(args, exchange, first)?;
     let half = Half::of_file(args.scene_options.precision, args.tracer, ready.rays());
     let mut painter = Painter {
-        args,
+        args: args.clone(),
         exchange,
         take_away,
         ready,
         steering: Steering::new(view),
         halves: vec![half],
-        look: args.look,
+        shown,
+        own_size: shown.size,
         progress: Default::default(),
         figures: Default::default(),
         tried: Tried::default(),
@@ -130,7 +140,7 @@ impl<'a> Painter<'a> {
             }
             Request::Side { side } => self.steering.show(&side, self.ready.ends),
             Request::Set { halves } => self.set(halves),
-            Request::Look { look } => return self.show_look(look),
+            Request::Show(shown) => return self.show_as(shown),
             Request::Probe { .. } | Request::Taken { .. } => {}
         }
         if self.steering.view == before {
@@ -143,25 +153,46 @@ impl<'a> Painter<'a> {
         Ok(true)
     }
 
-    /// Shows another look from now on, or light.
-    fn show_look(&mut self, look: Option<Look>) -> Result<bool> {
-        if look == self.look {
+    /// Shows the file so from now on; returns whether the image changes.
+    fn show_as(&mut self, shown: Shown) -> Result<bool> {
+        let size = shown.size;
+        if shown == self.shown || !shown.is_valid() || check_size(&self.args, size).is_err() {
             return Ok(false);
         }
-        let before = std::mem::replace(&mut self.look, look);
-        if !self.prepare_again() {
-            self.look = before;
+        let before = std::mem::replace(&mut self.shown, shown);
+        let is_shown = match before.up == shown.up {
+            true => before == Shown { size: before.size, ..shown } || self.prepare_again(),
+            false => self.open_again(),
+        };
+        if !is_shown {
+            self.shown = before;
             return Ok(false);
         }
-        self.halves.truncate(1);
+        self.steering.resize(size);
+        if shown.look.is_some() {
+            self.halves.truncate(1);
+        }
+        self.tried = Tried::default();
+        self.exchange.withdraw(Kind::Chart);
         self.restart();
         Ok(true)
+    }
+
+    /// Reads the file once more, for another axis that is up.
+    fn open_again(&mut self) -> bool {
+        let mut args = self.args.clone();
+        args.scene_options.input.up = self.shown.up.map(Upward::Axis);
+        let shown = self.shown;
+        let opened = Ready::open(&args, self.exchange, |_| shown).map(|(ready, view, _)| {
+            (self.ready, self.steering, self.args) = (ready, Steering::new(view), args);
+        });
+        self.say(opened)
     }
 
     /// Renders these halves from now on. What is finished of one that stays is kept.
     fn set(&mut self, mut halves: Vec<Half>) {
         // Looks have nothing to compare.
-        halves.truncate(if self.look.is_some() { 1 } else { 2 });
+        halves.truncate(if self.shown.look.is_some() { 1 } else { 2 });
         let is_known = |index: usize| self.halves.get(index) == halves.get(index);
         let same = [is_known(0), is_known(1)];
         if halves.is_empty() || same == [true; 2] {
@@ -182,18 +213,23 @@ impl<'a> Painter<'a> {
         self.send_figures();
     }
 
-    /// Prepares the scene once more: for another look, or because it is too far from where it was prepared for. If that
-    /// fails, pages show the error above the image that they have.
+    /// Prepares the scene once more: shown otherwise, or because the camera or its lights are not where it was prepared for.
     fn prepare_again(&mut self) -> bool {
-        let Self { args, exchange, take_away, look, .. } = *self;
-        let prepared =
-            self.ready.prepare_again(args, exchange, take_away, look, self.steering.view);
+        let Self { exchange, shown, .. } = *self;
+        let view = self.steering.view;
+        let prepared = self.ready.prepare_again(&self.args, exchange, &shown, view);
+        self.say(prepared)
+    }
+
+    /// Tells pages what is prepared, or why nothing is: they show the error above the image that they have. Returns whether
+    /// it is.
+    fn say(&mut self, prepared: Result<()>) -> bool {
         match &prepared {
             Ok(()) => {
-                exchange.withdraw(Kind::Error);
+                self.exchange.withdraw(Kind::Error);
                 self.send_plan();
             }
-            Err(error) => exchange.send_error(error),
+            Err(error) => self.exchange.send_error(error),
         }
         prepared.is_ok()
     }
@@ -209,13 +245,14 @@ impl<'a> Painter<'a> {
 
     /// Begins to show a half, of this size in pixels, with its samples in words.
     fn show(&mut self, index: usize, words: &str, size: [u32; 2], moves: bool) -> Showing<'a> {
-        let placement = Placement { size, ..self.steering.view.placement() };
-        self.ready.place(placement, &self.halves[index], moves);
+        let draft = moves.then_some(&self.shown);
+        self.ready.place(&self.steering.view, size, &self.halves[index], draft);
         let mut figures = self.all_figures();
         if let Some(half) = figures["halves"].get_mut(index) {
             (half["next"], half["rests"]) = (json!(words), json!(false));
         }
-        Showing::new(self.exchange, index, size, self.ready.transfer, moves, figures)
+        let developed = (self.shown.develop(), self.ready.transfer);
+        Showing::new(self.exchange, index, size, developed, moves, figures)
     }
 
     /// Shows a small image at once, of a size for many in a second.
@@ -227,8 +264,8 @@ impl<'a> Painter<'a> {
         let start = Instant::now();
         let words = rays(1);
         let showing = self.show(0, &words, size, true);
-        let options = self.ready.options(self.args, self.halves[0].tracer);
-        let rendered = look::render(&self.ready.scene, self.look, &options, &showing)?;
+        let options = self.ready.options(&self.args, self.halves[0].tracer);
+        let rendered = look::render(&self.ready.scene, self.shown.look, &options, &showing)?;
         showing.finish(&rendered.film, false);
         self.exchange.withdraw(Kind::Progress);
         self.figures[0] = figures_of(&words, &Work::of(&rendered), true);
@@ -240,7 +277,7 @@ impl<'a> Painter<'a> {
 
     /// Renders with more and more samples; returns whether all is finished.
     fn refine(&mut self) -> Result<bool> {
-        if !self.ready.fits(self.args, &self.steering.view) {
+        if !self.ready.fits(&self.args, &self.shown, &self.steering.view) {
             self.prepare_again();
         }
         for index in 0..self.halves.len() {
@@ -256,11 +293,11 @@ impl<'a> Painter<'a> {
     /// Renders the next pass of a half; false if a request ended it, after which it goes on.
     fn advance(&mut self, index: usize) -> Result<bool> {
         let (half, size) = (self.halves[index], self.steering.view.placement().size);
-        self.ready.place(self.steering.view.placement(), &half, false);
-        let options = self.ready.options(self.args, half.tracer);
+        self.ready.place(&self.steering.view, size, &half, None);
+        let options = self.ready.options(&self.args, half.tracer);
         let camera = self.ready.scene.camera;
         let all = camera.rays_per_pixel();
-        if let Some(look) = self.look {
+        if let Some(look) = self.shown.look {
             let words = rays(all);
             let showing = self.show(index, &words, size, false);
             let rendered = look::render(&self.ready.scene, Some(look), &options, &showing)?;
@@ -314,10 +351,10 @@ impl<'a> Painter<'a> {
         film: Film,
         is_last: bool,
     ) {
-        showing.finish(&film, is_last);
+        let (developed, transfer) = showing.finish(&film, is_last);
         self.exchange.withdraw(Kind::Progress);
         if is_last && index == 0 {
-            let image = Some((Arc::new(film), self.ready.transfer));
+            let image = Some((Arc::new(developed), transfer));
             self.exchange.board.send_modify(|board| board.image = image);
         }
         self.figures[index] = figures;
@@ -329,7 +366,7 @@ impl<'a> Painter<'a> {
     fn probe(&mut self, at: [f64; 2]) -> Result<()> {
         let View { width, height, .. } = self.steering.view;
         let half = self.halves[0];
-        self.ready.place(self.steering.view.placement(), &half, false);
+        self.ready.place(&self.steering.view, [width, height], &half, None);
         let pixel = |share: f64, side: u32| ((share * f64::from(side)) as u32).min(side - 1);
         let pixel = [pixel(at[0], width), pixel(at[1], height)];
         let (start, inbox) = (Instant::now(), &self.exchange.inbox);
@@ -339,52 +376,5 @@ impl<'a> Painter<'a> {
         let message = json!({"kind": "probe", "at": at, "record": crate::probe::text(&record)});
         self.exchange.send(Kind::Probe, message.to_string());
         Ok(())
-    }
-
-    /// The figures of the halves that have an image.
-    fn all_figures(&self) -> Value {
-        let halves = &self.figures[..self.halves.len()];
-        let known: Vec<&Value> = halves.iter().filter(|figures| !figures.is_null()).collect();
-        json!({"kind": "figures", "halves": known})
-    }
-
-    fn send_figures(&self) {
-        self.exchange.send(Kind::Figures, self.all_figures().to_string());
-    }
-
-    fn send_chart(&self) {
-        let Some([wide, narrow]) = self.tried.chart() else { return };
-        let message = json!({"kind": "chart", "wide": wide, "narrow": narrow});
-        self.exchange.send(Kind::Chart, message.to_string());
-    }
-
-    fn send_state(&self) {
-        let view = self.steering.view;
-        let View { location, look, up, fov_degrees, width, height, .. } = view;
-        let (command, note) = self.take_away.command(&self.halves[0], self.look);
-        let state = json!({
-            "kind": "state",
-            "file": self.args.scene.file_name().unwrap_or_default().to_string_lossy(),
-            "size": [width, height],
-            "halves": self.halves,
-            "samplers": Sampling::ALL,
-            "look": self.look,
-            "looks": Look::ALL,
-            "camera": {"location": location.to_array(), "look": look.to_array(), "up": up.to_array(), "fov": fov_degrees},
-            "command": command,
-            "note": note,
-            "names": self.take_away.names(),
-        });
-        let points = self.halves[0].points();
-        self.exchange.board.send_modify(|board| board.view = Some((view, points)));
-        self.exchange.send(Kind::State, state.to_string());
-    }
-
-    /// What is simulated, wherever the camera is.
-    fn send_plan(&self) {
-        let plan = &self.ready.scene.plan;
-        let (passes, bvh) = (explain::passes(plan), self.ready.preset.name());
-        let message = json!({"kind": "plan", "effects": plan, "passes": passes, "bvh": bvh});
-        self.exchange.send(Kind::Plan, message.to_string());
     }
 }

@@ -1,20 +1,17 @@
 //! The scene of pages: prepared once for a camera that goes anywhere, and placed for each render.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 use super::ViewArgs;
 use super::exchange::Exchange;
-use super::request::Half;
+use super::request::{Half, Shown};
 use super::steering::{Seen, Steering};
-use super::take_away::TakeAway;
 use crate::common::tell_all;
 use wavecrest_api::SceneOptions;
 use wavecrest_api::session::Session;
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_base::progress;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::geometry::Geometry;
@@ -24,7 +21,6 @@ use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Appearance, Original, PreparedScene, Samples};
 use wavecrest_core::render::{RenderOptions, TracerKind};
-use wavecrest_image::look::Look;
 use wavecrest_image::write::Transfer;
 use wavecrest_scene::components::{Encoding, View};
 use wavecrest_scene::load::LoadedScene;
@@ -50,66 +46,72 @@ pub(super) struct Ready {
     pub(super) transfer: Transfer,
     /// The box around everything.
     pub(super) ends: [DVec3; 2],
-    /// The origin for which it could not be prepared again.
-    failed: Option<DVec3>,
+    /// The frame of added lights as they were prepared, if they can follow.
+    lit: Option<DAffine3>,
+    /// The view for which it could not be prepared again.
+    failed: Option<View>,
 }
 
-/// Prepares a copy of what was `loaded`, without what a look does not show: that is also what may be taken away. Its
-/// camera goes anywhere, from its own view or from this one. Before the tree is built, others may be dropped by `building`.
+/// Prepares a copy of what was `loaded` for a camera that goes anywhere, from its own view or from this one, with its lights
+/// and without what a look does not show. Before the tree is built, others may be dropped by `building`. Returns the view
+/// and the frame of added lights, too.
 fn session(
     args: &ViewArgs,
-    take_away: &TakeAway,
     loaded: &LoadedScene,
-    (look, view): (Option<Look>, Option<View>),
+    (shown, view): (&Shown, Option<View>),
     building: impl FnOnce(),
-) -> Result<(Session, View)> {
-    let mut shown = loaded.clone();
-    let view = free_camera(&mut shown.world, view)?;
-    check_size(args, &view)?;
-    look.inspect(|look| looks::leave_out(&mut shown.world, *look));
-    let contents = take_away.contents(&shown)?;
-    let options = SceneOptions { look, ..args.scene_options.preparing(Some(&args.search)) };
-    let session = Session::of(shown, &options, |_| {
+) -> Result<(Session, View, Option<DAffine3>)> {
+    let mut copy = loaded.clone();
+    let view = free_camera(&mut copy.world, view)?;
+    let lit_for = loaded.usual_view().filter(|_| shown.stays).unwrap_or(view);
+    if shown.is_lit() {
+        copy.light_for(lit_for);
+    }
+    let (look, exposure) = (shown.look, shown.develop().factor());
+    look.inspect(|look| looks::leave_out(&mut copy.world, *look));
+    let usual = args.scene_options.preparing(Some(&args.search));
+    let options = SceneOptions { look, exposure, ..usual };
+    let session = Session::of(copy, &options, |_| {
         building();
         Ok(())
     })?;
-    take_away.keep(contents);
-    Ok((session, view))
+    Ok((session, view, loaded.light_frame(lit_for)))
 }
 
-/// Refuses an image that is too large for a page.
-fn check_size(args: &ViewArgs, view: &View) -> Result<()> {
-    let is_long = view.width.max(view.height) > LONGEST_SIDE;
-    if is_long || u64::from(view.width) * u64::from(view.height) > MOST_PIXELS {
+/// Refuses an image of a size that is too large for a page.
+pub(super) fn check_size(args: &ViewArgs, [width, height]: [u32; 2]) -> Result<()> {
+    let is_long = width.max(height) > LONGEST_SIDE;
+    if is_long || u64::from(width) * u64::from(height) > MOST_PIXELS {
         let message =
             format!("a page shows at most {MOST_PIXELS} pixels, {LONGEST_SIDE} on a side");
         let error = Error::new(ErrorKind::Limit, message).in_file(&args.scene);
         let remedy = "use a smaller --size";
-        return Err(error.value(format!("{} x {}", view.width, view.height)).remedy(remedy));
+        return Err(error.value(format!("{width} x {height}")).remedy(remedy));
     }
     Ok(())
 }
 
 impl Ready {
-    /// Reads and prepares the scene, as pages are shown. Returns the view of its camera, too.
+    /// Reads and prepares the scene as it is `shown`. Returns the view of its camera, too.
     ///
     /// # Errors
     /// If it cannot be loaded or prepared, or its image is too large for a page.
     pub(super) fn open(
         args: &ViewArgs,
         exchange: &Exchange,
-        take_away: &TakeAway,
-    ) -> Result<(Self, View)> {
-        progress::begin();
-        exchange.prepares.store(true, Ordering::Relaxed);
+        shown: impl FnOnce([u32; 2]) -> Shown,
+    ) -> Result<(Self, View, Shown)> {
+        let _preparing = exchange.prepare();
         let loaded = Arc::new(args.scene_options.load(&args.scene)?);
-        let (mut session, view) = session(args, take_away, &loaded, (args.look, None), || {})?;
+        let size = loaded.view()?.placement().size;
+        check_size(args, size)?;
+        let shown = shown(size);
+        let (mut session, view, lit) = session(args, &loaded, (&shown, None), || {})?;
         tell_all(&mut session.warnings, &mut session.notes, args.scene_options.quiet);
-        exchange.prepares.store(false, Ordering::Relaxed);
-        Ok((Self::of(session, loaded, args.look), view))
+        Ok((Self::of(session, loaded, lit, &shown), view, shown))
     }
 
-    /// Prepares what was read once more: for this look, and for cameras around `view`.
+    /// Prepares what was read once more: as it is `shown`, and for cameras around `view`.
     ///
     /// # Errors
     /// If it cannot be prepared, or an image can no longer be read. Nothing has changed then.
@@ -117,43 +119,50 @@ impl Ready {
         &mut self,
         args: &ViewArgs,
         exchange: &Exchange,
-        take_away: &TakeAway,
-        look: Option<Look>,
+        shown: &Shown,
         view: View,
     ) -> Result<()> {
-        progress::begin();
-        exchange.prepares.store(true, Ordering::Relaxed);
+        let _preparing = exchange.prepare();
         let PreparedScene { accel, appearance, .. } = &mut self.scene;
-        let session = session(args, take_away, &self.loaded, (look, Some(view)), || {
+        let session = session(args, &self.loaded, (shown, Some(view)), || {
             // Two would take twice the memory.
             *accel = Accel::unbuilt(Geometry::default());
             *appearance = Appearance::default();
         });
-        exchange.prepares.store(false, Ordering::Relaxed);
-        self.failed = session.is_err().then(|| frame::origin(&view));
-        let (session, _) = session?;
-        *self = Self::of(session, Arc::clone(&self.loaded), look);
+        self.failed = session.is_err().then_some(view);
+        let (session, _, lit) = session?;
+        *self = Self::of(session, Arc::clone(&self.loaded), lit, shown);
         Ok(())
     }
 
     /// Whether a render from this view would be prepared in the same way, or failed to be.
-    pub(super) fn fits(&self, args: &ViewArgs, view: &View) -> bool {
-        let origin = frame::origin(view);
+    pub(super) fn fits(&self, args: &ViewArgs, shown: &Shown, view: &View) -> bool {
         let is_fast = args.scene_options.precision == Precision::Fast;
-        is_fast || origin == self.scene.origin || self.failed == Some(origin)
+        let is_near = is_fast || frame::origin(view) == self.scene.origin;
+        let is_lit = shown.stays || !shown.is_lit() || self.loaded.light_frame(*view) == self.lit;
+        is_near && is_lit || self.failed == Some(*view)
     }
 
-    fn of(session: Session, loaded: Arc<LoadedScene>, look: Option<Look>) -> Self {
+    fn of(
+        session: Session,
+        loaded: Arc<LoadedScene>,
+        lit: Option<DAffine3>,
+        shown: &Shown,
+    ) -> Self {
         let Session { scene, preset, transfer, .. } = session;
-        let transfer = match transfer {
-            // Other looks are encoded already.
-            Encoding::Srgb if look.is_none_or(Look::is_shaded) => Transfer::Srgb,
-            _ => Transfer::Linear,
-        };
+        let own = if transfer == Encoding::Srgb { Transfer::Srgb } else { Transfer::Linear };
+        // Other looks are encoded already.
+        let transfer =
+            if shown.is_lit() { shown.transfer.unwrap_or(own) } else { Transfer::Linear };
         let (camera, original) = (scene.camera, scene.original());
         let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
         let ends = ends.map(|end| end + scene.origin);
-        Self { loaded, scene, preset, camera, original, transfer, ends, failed: None }
+        Self { loaded, scene, preset, camera, original, lit, transfer, ends, failed: None }
+    }
+
+    /// Whether lights were added that can follow the camera.
+    pub(super) fn has_added_lights(&self) -> bool {
+        self.loaded.usual_view().is_some()
     }
 
     /// What a ray through a place of the image meets first; a point before it if nothing.
@@ -177,15 +186,28 @@ impl Ready {
         RenderOptions { tracer, seed: args.seed, batch, ..RenderOptions::default() }
     }
 
-    /// Makes the scene ready for a render of a half from a placement; with a single point on everything if it is a `draft`.
-    pub(super) fn place(&mut self, placement: Placement, half: &Half, draft: bool) {
+    /// Makes the scene ready for a render of a half from a view, with an image of this size. A `draft` has a single point on
+    /// everything, and added lights that follow only turn: their ground and all that was left out stays.
+    pub(super) fn place(
+        &mut self,
+        view: &View,
+        size: [u32; 2],
+        half: &Half,
+        draft: Option<&Shown>,
+    ) {
         let Self { scene, camera, original, .. } = self;
         scene.accel.set_precision(half.precision);
-        let one = draft.then_some(Points { sampling: Sampling::Jittered, side: 1 });
+        let one = draft.map(|_| Points { sampling: Sampling::Jittered, side: 1 });
         scene.resample(original, &Samples { lights: one, ..Samples::default() });
-        let (location, look) = (placement.location - scene.origin, placement.look - scene.origin);
-        let placed = camera.placed(&Placement { location, look, ..placement });
-        scene.camera = if draft { placed.resampled(one, one) } else { half.camera(&placed) };
+        let (location, look) = (view.location - scene.origin, view.look - scene.origin);
+        let placed = camera.placed(&Placement { location, look, size, ..view.placement() });
+        scene.camera =
+            if one.is_some() { placed.resampled(one, one) } else { half.camera(&placed) };
+        let follows = draft.is_some_and(|shown| !shown.stays);
+        let now = self.loaded.light_frame(*view).filter(|_| follows);
+        if let (Some(now), Some(lit)) = (now, self.lit) {
+            scene.move_lights(&(now * lit.inverse()));
+        }
     }
 
     /// The number of rays of the file for each pixel.

@@ -7,6 +7,8 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::render::TracerKind;
 use wavecrest_image::look::Look;
+use wavecrest_image::write::{Develop, Transfer};
+use wavecrest_scene::load::framing::Up;
 
 /// The largest side of a grid of points.
 const MOST_SIDE: u32 = 64;
@@ -31,8 +33,8 @@ pub(super) enum Request {
     Side { side: String },
     /// One way to render the image, or two to compare.
     Set { halves: Vec<Half> },
-    /// What the image shows instead of light.
-    Look { look: Option<Look> },
+    /// What is shown of the file.
+    Show(Shown),
     /// The hits of the rays at a place.
     Probe { at: [f64; 2] },
     /// An image has been drawn, or a part of one has arrived: so many seconds ago if it was drawn.
@@ -40,6 +42,40 @@ pub(super) enum Request {
         #[serde(default)]
         drawing: f64,
     },
+}
+
+/// What is shown of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Shown {
+    /// Width and height of the image, in pixels.
+    pub(super) size: [u32; 2],
+    /// What the image shows instead of light.
+    pub(super) look: Option<Look>,
+    /// The up axis; `None` for the usual one.
+    pub(super) up: Option<Up>,
+    /// Whether added lights stay where they are for the usual view.
+    pub(super) stays: bool,
+    /// In stops: each doubles the light.
+    pub(super) exposure: f32,
+    /// The transfer curve; `None` for that of the file.
+    pub(super) transfer: Option<Transfer>,
+}
+
+impl Shown {
+    /// Whether it is a valid choice.
+    pub(super) fn is_valid(&self) -> bool {
+        self.size.iter().all(|side| *side > 0) && self.exposure.abs() <= Develop::MOST_STOPS
+    }
+
+    /// Whether it shows light.
+    pub(super) fn is_lit(&self) -> bool {
+        self.look.is_none_or(Look::is_shaded)
+    }
+
+    /// How light is developed.
+    pub(super) fn develop(&self) -> Develop {
+        Develop { exposure: if self.is_lit() { self.exposure } else { 0.0 }, ..Develop::default() }
+    }
 }
 
 /// One way to render the image.
@@ -110,9 +146,12 @@ mod tests {
     #[test]
     fn requests_are_read_and_others_refused() {
         assert_eq!(read(r#"{"do":"taken"}"#), Some(Request::Taken { drawing: 0.0 }));
-        assert_eq!(read(r#"{"do":"look","look":null}"#), Some(Request::Look { look: None }));
-        let depth = Some(Request::Look { look: Some(Look::Depth) });
-        assert_eq!(read(r#"{"do":"look","look":"depth"}"#), depth);
+        let depth = r#"{"size":[4,3],"look":"depth","up":"-z","stays":true,"exposure":1.5,"transfer":null}"#;
+        let Some(Request::Show(shown)) = read(&depth.replacen('{', r#"{"do":"show","#, 1)) else {
+            panic!("not read");
+        };
+        assert!(shown.is_valid() && shown.look == Some(Look::Depth));
+        assert_eq!(serde_json::to_string(&shown).unwrap(), depth);
         let half = r#"{"sampler":"sobol","side":900,"precision":"fast","tracer":"recursive"}"#;
         let Some(Request::Set { halves }) = read(&format!(r#"{{"do":"set","halves":[{half}]}}"#))
         else {
@@ -128,7 +167,7 @@ mod tests {
             r#"{"do":"exit"}"#,
             r#"{"do":"orbit","by":[1]}"#,
             r#"{"do":"orbit","by":["1",2]}"#,
-            r#"{"do":"look","look":"elsewhere"}"#,
+            &depth.replacen('{', r#"{"do":"show","#, 1).replace("depth", "elsewhere"),
             r#"{"do":"side","side":7}"#,
         ] {
             assert_eq!(read(wrong), None, "{wrong}");

@@ -11,7 +11,7 @@ use wavecrest_base::lock;
 use wavecrest_core::film::Film;
 use wavecrest_core::render::Watch;
 use wavecrest_core::tile::Tile;
-use wavecrest_image::write::{Transfer, levels, row_to_bytes};
+use wavecrest_image::write::{Develop, Transfer, levels, row_to_bytes};
 
 /// How often pages are shown what is new.
 const SHOWING: Duration = Duration::from_millis(100);
@@ -24,6 +24,7 @@ pub(super) struct Showing<'a> {
     exchange: &'a Exchange,
     half: usize,
     size: [u32; 2],
+    develop: Develop,
     transfer: Transfer,
     /// Whether something moves: then the render is short, and no request ends it.
     moves: bool,
@@ -47,21 +48,23 @@ impl<'a> Showing<'a> {
         exchange: &'a Exchange,
         half: usize,
         size: [u32; 2],
-        transfer: Transfer,
+        (develop, transfer): (Develop, Transfer),
         moves: bool,
         figures: Value,
     ) -> Self {
         let pixels = vec![[0; 4]; size[0] as usize * size[1] as usize];
         let state = Mutex::new(Shown { pixels, figures, done: 0, next: Instant::now() + SHOWING });
-        Self { exchange, half, size, transfer, moves, state }
+        Self { exchange, half, size, develop, transfer, moves, state }
     }
 
-    /// Shows the whole image, which is the last if all `rests`.
-    pub(super) fn finish(&self, film: &Film, rests: bool) {
+    /// Shows the whole image, which is the last if all `rests`. Returns what is to be saved of it.
+    pub(super) fn finish(&self, film: &Film, rests: bool) -> (Film, Transfer) {
         let whole = Tile { x: 0, y: 0, width: self.size[0], height: self.size[1] };
         let mut state = lock(&self.state);
-        self.keep(&mut state.pixels, &whole, &levels(film, self.transfer));
+        let developed = self.develop.film(film, None);
+        self.keep(&mut state.pixels, &whole, &levels(&developed, self.transfer));
         self.show(&state.pixels, WHOLE, rests);
+        (developed, self.transfer)
     }
 
     fn show(&self, pixels: &[[u8; 4]], state: u32, rests: bool) {
@@ -88,7 +91,9 @@ impl Watch for Showing<'_> {
             return;
         }
         // By this thread alone, which is in the middle of the work of its pool.
-        let levels = row_to_bytes(means, self.transfer);
+        let develop = |mean: &[f32; 3]| mean.map(|light| self.develop.of(light));
+        let developed: Vec<[f32; 3]> = means.iter().map(develop).collect();
+        let levels = row_to_bytes(&developed, self.transfer);
         let mut state = lock(&self.state);
         let Shown { pixels, figures, done, next } = &mut *state;
         self.keep(pixels, tile, &levels);
@@ -118,7 +123,7 @@ mod tests {
     #[test]
     fn what_is_not_finished_is_transparent() {
         let exchange = Exchange::default();
-        let showing = Showing::new(&exchange, 1, [2, 2], Transfer::Linear, true, Value::Null);
+        let showing = Showing::new(&exchange, 1, [2, 2], Default::default(), true, Value::Null);
         let right = Tile { x: 1, y: 1, width: 1, height: 1 };
         let pixels = &mut [[0; 4]; 4];
         showing.keep(pixels, &right, &[255, 0, 51]);

@@ -70,12 +70,23 @@ pub(super) struct Steering {
 
 impl Steering {
     pub(super) fn new(view: View) -> Self {
-        let along = |up: &Up| up.axes().y_axis.dot(view.up);
-        let up = Up::ALL.into_iter().max_by(|a, b| along(a).total_cmp(&along(b)));
-        let axes = up.unwrap_or(Up::Y).axes();
+        let axes = Up::nearest(view.up).axes();
         let arm = view.look - view.location;
         let (ahead, distance) = (arm.normalize(), arm.length());
         Self { view, ahead, distance, start: view, axes, pivot: view.look, zoom: None }
+    }
+
+    /// The first view.
+    pub(super) fn start(&self) -> &View {
+        &self.start
+    }
+
+    /// Gives the image another size, in pixels.
+    pub(super) fn resize(&mut self, [width, height]: [u32; 2]) {
+        for view in [&mut self.view, &mut self.start] {
+            (view.width, view.height) = (width, height);
+        }
+        self.zoom = None;
     }
 
     /// Right, up and ahead in the image.

@@ -88,13 +88,13 @@ fn view_on_another_screen_and_without_a_clipboard() {
     browser.evaluate(
         "Object.defineProperty(navigator, 'clipboard', { value: undefined }); \
          document.addEventListener('copy', () => { window.copied = String(getSelection()); }); \
-         document.querySelector('#copy').closest('details').open = true",
+         document.querySelector('#render').closest('details').open = true",
     );
-    let button = browser.middle("#copy");
+    let button = browser.middle("[data-copies=render]");
     browser.mouse("mousePressed", button);
     browser.mouse("mouseReleased", button);
-    browser.wait_for("document.querySelector('#copy').textContent === 'Copied'");
-    let is_whole = "copied.trim() === document.querySelector('#command').textContent.trim()";
+    browser.wait_for("document.querySelector('[data-copies=render]').textContent === 'Copied'");
+    let is_whole = "copied.trim() === document.querySelector('#render').textContent.trim()";
     assert_eq!(browser.evaluate(is_whole), true);
     assert_eq!(browser.complaints, Vec::<String>::new());
 }

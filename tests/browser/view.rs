@@ -60,15 +60,27 @@ fn turn_wheel(browser: &mut Browser, [x, y]: [f64; 2]) {
     browser.call("Input.dispatchMouseEvent", turn);
 }
 
-/// The command of the page must render the saved scene to the same image.
-fn assert_the_same_is_rendered(browser: &mut Browser, server: &Server, image: &RgbImage) {
+/// The command of the page must render the same image, and so must that for its scene, with these options.
+fn assert_the_same_is_rendered(
+    browser: &mut Browser,
+    server: &Server,
+    image: &RgbImage,
+    of_image: Option<&str>,
+) {
     let told = browser.evaluate(
-        "['#scene', '#picture'].map((link) => document.querySelector(link).download)\
-         .concat(document.querySelector('#command').textContent)",
+        "['#render', '#convert'].map((part) => document.querySelector(part).textContent)\
+         .concat(document.querySelector('#picture').download)",
     );
-    let [scene, picture, command] = [0, 1, 2].map(|index| told[index].as_str().expect("text"));
-    let rendered = server.rendered([scene, picture], command);
-    assert!(rendered == *image, "{command} renders another image");
+    let [render, convert, picture] = [0, 1, 2].map(|index| told[index].as_str().expect("text"));
+    let scene = Path::new(picture).with_extension("json");
+    let of_scene = of_image.map(|options| {
+        let render = format!("wavecrest '{}' '{picture}' {options}", scene.display());
+        format!("{convert} -q --force && {render}")
+    });
+    for command in [render].into_iter().chain(of_scene.as_deref()) {
+        let rendered = server.rendered(command, picture);
+        assert!(rendered == *image, "{command} renders another image");
+    }
 }
 
 #[test]
@@ -87,7 +99,7 @@ fn view_follows_pointer_wheel_and_keys_until_the_server_ends() {
         moved(&mut browser, &server, |b| drag(b, point, [point[0] + 90.0, point[1] + 30.0]));
     let (turned, location) = camera(&mut browser);
     assert!(image != first && location != start && (turned / distance - 1.0).abs() < 1e-9);
-    assert_the_same_is_rendered(&mut browser, &server, &image);
+    assert_the_same_is_rendered(&mut browser, &server, &image, Some(""));
     let nearer = moved(&mut browser, &server, |b| turn_wheel(b, point));
     let ratio = distance / camera(&mut browser).0;
     assert!(nearer != image && (ratio - 1.2).abs() < 1e-9, "{ratio}");
@@ -120,12 +132,14 @@ fn view_follows_pointer_wheel_and_keys_until_the_server_ends() {
 fn scenes_of_view_render_to_what_it_shows() {
     let Some(mut browser) = started("scenes of view") else { return };
     let folder = laid_out();
-    for (inner, file, options) in [
-        ("", "one mesh.obj", &[][..]),
-        ("scenes/hard", "far-from-origin.json", &[]),
-        ("scenes", "cutouts.json", &["--seed", "5"]),
-        ("scenes", "cutouts.json", &["--as", "clay"]),
-        ("scenes", "cutouts.json", &["--as", "normals"]),
+    for (inner, file, options, of_image) in [
+        ("", "one mesh.obj", &[][..], Some("")),
+        ("", "one mesh.obj", &["--lights-stay", "--view", "30,20", "--up", "z"], Some("")),
+        ("", "one mesh.obj", &["--lights", "headlight"], None),
+        ("scenes/hard", "far-from-origin.json", &[], Some("")),
+        ("scenes", "cutouts.json", &["--seed", "5"], Some("--seed 5")),
+        ("scenes", "cutouts.json", &["--as", "clay"], None),
+        ("scenes", "cutouts.json", &["--as", "normals"], None),
     ] {
         let server = Server::start(&folder.path().join(inner), file, options);
         browser.visit(&server.address);
@@ -134,10 +148,46 @@ fn scenes_of_view_render_to_what_it_shows() {
         let point = middle(place(&browser.canvas("#image")), [80, 60]);
         moved(&mut browser, &server, |b| drag(b, point, [point[0] + 71.0, point[1] + 13.0]));
         let image = moved(&mut browser, &server, |b| turn_wheel(b, [point[0] + 50.0, point[1]]));
-        assert_the_same_is_rendered(&mut browser, &server, &image);
+        assert_the_same_is_rendered(&mut browser, &server, &image, of_image);
         assert_eq!(browser.complaints, Vec::<String>::new());
         browser.visit("about:blank");
     }
+}
+
+/// What is chosen on the page is in the command, too.
+#[test]
+fn settings_of_view_are_those_of_the_command() {
+    let Some(mut browser) = started("settings of view") else { return };
+    let folder = laid_out();
+    let server = Server::start(folder.path(), "one mesh.obj", &[]);
+    browser.visit(&server.address);
+    browser.wait_for("told.state");
+    let first = at_rest(&mut browser, &server);
+    let point = middle(place(&browser.canvas("#image")), [80, 60]);
+    moved(&mut browser, &server, |b| drag(b, point, [point[0] + 71.0, point[1] + 13.0]));
+    let mut images = vec![first];
+    for (name, value) in [
+        ("exposure", "-1.5"),
+        ("transfer", "linear"),
+        ("stays", "stay"),
+        ("look", "clay"),
+        ("up", "x"),
+        ("size", "1280x720"),
+    ] {
+        browser.evaluate("window.before = JSON.stringify(told.state.shown)");
+        browser.evaluate(&format!(
+            "(() => {{ const field = document.querySelector('#settings').elements.{name}; \
+             field.value = '{value}'; \
+             field.dispatchEvent(new Event('change', {{ bubbles: true }})); }})()"
+        ));
+        browser.wait_for(&format!("JSON.stringify(told.state.shown) !== before && {RESTS}"));
+        let image = server.image();
+        assert!(!images.contains(&image), "{name} changes nothing");
+        assert_the_same_is_rendered(&mut browser, &server, &image, None);
+        images.push(image);
+    }
+    assert_eq!(images.last().map(|image| image.dimensions()), Some((1280, 720)));
+    assert_eq!(browser.complaints, Vec::<String>::new());
 }
 
 /// Answers of the page are late, as on a slow line.

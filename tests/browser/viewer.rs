@@ -95,10 +95,8 @@ impl Server {
         decoded(&self.get("image.png"))
     }
 
-    /// Saves the scene beside the original, runs the command of the page there, and gives the image
-    /// that it writes; by the names that the page gives both files.
-    pub(crate) fn rendered(&self, [scene, image]: [&str; 2], command: &str) -> RgbImage {
-        std::fs::write(self.folder.join(scene), self.get("scene.json")).expect("a file");
+    /// Runs a command of the page where the server was started, and gives the image that it writes.
+    pub(crate) fn rendered(&self, command: &str, image: &str) -> RgbImage {
         let ran = Command::new("sh")
             .current_dir(&self.folder)
             .env("WAVECREST", WAVECREST)

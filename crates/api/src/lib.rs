@@ -194,7 +194,7 @@ pub use wavecrest_base::shared::Shared;
 pub use wavecrest_core::plan::schedule::{PASSES, UNPLANNED};
 pub use wavecrest_core::prepared::PreparedScene;
 pub use wavecrest_image::look::Look;
-pub use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
+pub use wavecrest_scene::load::framing::{Fit, Fov, Framing, LookAt, Side, Up};
 pub use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 pub use wavecrest_scene::load::{
     LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load, load_gltf, load_mesh, load_str,

@@ -48,6 +48,11 @@ impl Develop {
         libm::exp2f(self.exposure)
     }
 
+    /// The developed light of a channel.
+    pub fn of(&self, light: f32) -> f32 {
+        self.tone.of(light * self.factor())
+    }
+
     /// The developed film. `alpha` is the coverage of each pixel, if any is partial: colours are
     /// premultiplied by it before and after.
     pub fn film(&self, film: &Film, alpha: Option<&[f32]>) -> Film {

@@ -14,6 +14,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use glam::DAffine3;
 use hecs::World;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
@@ -21,8 +22,9 @@ use wavecrest_base::memory::Stage;
 use wavecrest_base::read::open;
 use wavecrest_base::replace::check_differs;
 
+use super::camera;
 pub use super::camera::LONGEST_SIDE;
-use super::components::{Encoding, Environment, JsonPath, Name, Settings};
+use super::components::{Encoding, Environment, JsonPath, Name, Settings, View};
 use super::folder::Folder;
 use super::format::{Cursor, Notes, Place, json};
 use super::gltf;
@@ -30,6 +32,7 @@ use super::mesh::{self, LoadedMesh, MeshData};
 pub use super::options::{LoadOptions, MOST_SAMPLES, antialias, framing, lighting};
 use super::query;
 use super::scene_file;
+use super::staging::Staged;
 
 /// Largest length of a scene file in bytes, 256 MiB. While it is read, JSON takes up to 25 times
 /// its length in memory; a larger mesh belongs in a separate file.
@@ -76,7 +79,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
 pub fn load_gltf(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     let notes = options.notes(path);
     let (world, told) = gltf::world(bytes, options, &notes)?;
-    loaded(world, notes, told)
+    loaded(world, notes, told, options)
 }
 
 fn load_standalone(
@@ -86,7 +89,7 @@ fn load_standalone(
 ) -> Result<LoadedScene> {
     let notes = options.notes(path);
     let (world, told) = standalone::world(path, options, &notes, read)?;
-    loaded(world, notes, told)
+    loaded(world, notes, told, options)
 }
 
 /// As [`load`], for a mesh with these arrays, treated like a PLY file: with a camera, lights and a
@@ -150,19 +153,29 @@ pub fn load_str(json: &str, file: &Path, options: &LoadOptions) -> Result<Loaded
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
     warn_of_equal_names(&world, &notes);
-    loaded(world, notes, String::new())
+    loaded(world, notes, String::new(), options)
 }
 
 /// The scene of a `world`, whose mesh files are read now, with the choices in `told`, if any.
-fn loaded(mut world: World, notes: Notes<'_>, told: String) -> Result<LoadedScene> {
+fn loaded(
+    mut world: World,
+    notes: Notes<'_>,
+    told: String,
+    options: &LoadOptions,
+) -> Result<LoadedScene> {
     let told =
         (!told.is_empty()).then(|| Warning::from_error(&notes.error(ErrorKind::Scene, "", told)));
     meshes::complete(&mut world, &notes)?;
+    let moves = camera::change(&mut world, options).map_err(|error| error.in_file(notes.file()))?;
     scene_file::warn_of_darkness(&world, &notes);
     let (file, folder) = (notes.file().to_owned(), notes.folder());
     let (warnings, harmless, files) = notes.into_parts();
     let notes = told.into_iter().chain(harmless).collect();
-    Ok(LoadedScene { file, world, warnings, notes, files, folder })
+    let mut scene = LoadedScene { file, world, warnings, notes, files, folder };
+    if moves && !options.lighting.stays {
+        scene.light_for(scene.view()?);
+    }
+    Ok(scene)
 }
 
 /// A copy shares the arrays of meshes. It has no components but those that loading adds.
@@ -186,6 +199,32 @@ impl LoadedScene {
         query::settings(&self.world).map_or_else(|_| Encoding::default(), |all| all.transfer)
     }
 
+    /// The view of the camera.
+    ///
+    /// # Errors
+    /// If the world lacks a camera.
+    pub fn view(&self) -> Result<View> {
+        query::view(&self.world)
+    }
+
+    /// The view that lights were added for; `None` if the file has its own.
+    pub fn usual_view(&self) -> Option<View> {
+        Staged::of(&self.world).map(|staged| staged.usual())
+    }
+
+    /// The frame that added lights for this view move with: they are to be added again if it is another. `None` without
+    /// such lights.
+    pub fn light_frame(&self, view: View) -> Option<DAffine3> {
+        Staged::of(&self.world)?.frame(view)
+    }
+
+    /// Adds lights for this view in place of those that were added before, unless the file has its own.
+    pub fn light_for(&mut self, view: View) {
+        if let Some(staged) = Staged::of(&self.world) {
+            staged.light(&mut self.world, view, &self.file);
+        }
+    }
+
     /// Refuses to write `output` over a file of the scene: the file itself, a mesh, a material library, a buffer or an
     /// image.
     ///
@@ -206,7 +245,7 @@ impl LoadedScene {
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
     if options.framing != framing::Framing::default() {
         let error = Error::new(ErrorKind::Usage, "a scene file has its own camera");
-        let remedy = "change \"camera\" in the scene instead of using --view, --from, --up, --fov, --fit or --turntable";
+        let remedy = "use --from, --at and --up with three numbers, or change \"camera\" in the scene, instead of --view, --up, --fov, --fit or --turntable";
         return Err(error.in_file(file).remedy(remedy));
     }
     let Some(camera) = &options.camera else { return Ok(()) };

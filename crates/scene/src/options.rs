@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::format::Notes;
-use framing::Framing;
+use crate::components::Sampling;
+use framing::{Framing, LookAt};
 use lighting::Lighting;
 
 pub mod framing;
@@ -25,12 +26,16 @@ pub struct LoadOptions {
     pub height: Option<u32>,
     /// The side of the grid of rays in each pixel, overriding the file's.
     pub antialias: Option<u32>,
+    /// The distribution of the rays in each pixel, overriding the file's: then each has one point on a lens.
+    pub sampling: Option<Sampling>,
     /// The camera to use in files with several, by its name or number.
     pub camera: Option<String>,
     /// Whether glTF and OBJ files may refer to files outside their folder.
     pub allow_outside: bool,
     /// Framing of a mesh or glTF file, which replaces its cameras. A scene file has its own camera.
     pub framing: Framing,
+    /// Where the camera is taken from its place in the file, or from that of the framing.
+    pub look_at: Option<LookAt>,
     /// Lighting of files without lights.
     pub lighting: Lighting,
     /// The linear colour of a standalone mesh where it has no material.

@@ -6,6 +6,7 @@
 
 mod camera;
 mod fit;
+mod follow;
 mod grid;
 mod ground;
 mod light;
@@ -19,7 +20,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DAffine3, DVec3, Vec3};
 
-use crate::components::{CutOut, Material, View};
+use crate::components::{CutOut, Maps, Material, View};
 use crate::mesh::MeshData;
 use crate::mtl::GREY;
 use crate::systems::bounds::{self, EMPTY, Ends, around, joined, wide};
@@ -27,6 +28,7 @@ use crate::systems::cutouts::{Masks, left};
 use wavecrest_base::parallel;
 
 pub(crate) use camera::{Framed, framed, view};
+pub(crate) use follow::Staged;
 use grid::Grid;
 pub(crate) use light::{MOST_LAMPS, allow_for_surfaces, light, settings, surround};
 pub(crate) use upward::Upward;
@@ -47,6 +49,12 @@ pub(crate) struct BoundingSphere {
     pub(crate) radius: f64,
 }
 
+/// Largest number of points to check for one mesh, in all its places.
+const MOST_POINTS: usize = 1 << 24;
+
+/// Half of the lowest alpha above 0, of 255 levels.
+const LEAST_ALPHA: f64 = 0.5 / 255.0;
+
 /// The parts of a mesh that are not cut away.
 pub(crate) struct VisibleMesh<'a> {
     points: Cow<'a, [Vec3]>,
@@ -54,7 +62,7 @@ pub(crate) struct VisibleMesh<'a> {
 }
 
 impl<'a> VisibleMesh<'a> {
-    pub(crate) fn new(mesh: &'a MeshData, cutout: Option<&CutOut>, images: &mut Masks<'_>) -> Self {
+    fn new(mesh: &'a MeshData, cutout: Option<&CutOut>, images: &mut Masks<'_>) -> Self {
         let left = cutout.and_then(|cutout| left(mesh, cutout, images));
         let is_gone = left.as_ref().is_some_and(Vec::is_empty);
         Self {
@@ -63,8 +71,26 @@ impl<'a> VisibleMesh<'a> {
         }
     }
 
+    /// What is visible of a mesh with these holes and maps; of one that is shown so often that checking every point would
+    /// take too long, its box.
+    pub(crate) fn of_uses(
+        mesh: &'a MeshData,
+        (cutout, maps): (Option<&CutOut>, &Maps),
+        uses: usize,
+        images: &mut Masks<'_>,
+    ) -> Self {
+        if uses > 1 && (3 * mesh.triangles.len()).saturating_mul(uses) > MOST_POINTS {
+            return Self::boxed(mesh);
+        }
+        let fading = maps.opacity.as_ref().and_then(|map| {
+            let look_up = map.texture.as_ref()?.look_up.clone();
+            Some(CutOut { look_up: Some(look_up), is_mask: false, threshold: LEAST_ALPHA })
+        });
+        Self::new(mesh, cutout.or(fading.as_ref()), images)
+    }
+
     /// The corners of the box around a mesh, which has some points.
-    pub(crate) fn boxed(mesh: &MeshData) -> Self {
+    fn boxed(mesh: &MeshData) -> Self {
         let corners = bounds::corners(wide(around(&mesh.positions)));
         let points: Vec<Vec3> = corners.iter().map(|corner| corner.as_vec3()).collect();
         Self { points: points.into(), triangles: (&[]).into() }
@@ -73,10 +99,10 @@ impl<'a> VisibleMesh<'a> {
     /// An instance with each of these transforms.
     pub(crate) fn instances(
         &self,
-        transforms: impl Iterator<Item = DAffine3>,
+        transforms: impl IntoIterator<Item = &'a DAffine3>,
     ) -> impl Iterator<Item = MeshInstance<'_>> {
         let own = MeshInstance::new(&self.points, &self.triangles, DAffine3::IDENTITY);
-        transforms.map(move |world| MeshInstance { world, ..own.clone() })
+        transforms.into_iter().map(move |world| MeshInstance { world: *world, ..own.clone() })
     }
 }
 

@@ -9,7 +9,6 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use serde_json::Value;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_replaceable, replace_file, write_error, write_text};
@@ -21,14 +20,6 @@ use crate::load::LoadedScene;
 use crate::mesh::{Attribute, MeshData, NO_VALUE};
 use crate::query;
 use crate::scene_file;
-
-/// The contents of the scene file `path` for `scene`: [`write()`] writes it, and the meshes and images that it names.
-///
-/// # Errors
-/// If the scene lacks a part that every scene file has.
-pub fn contents(scene: &LoadedScene, path: &Path) -> Result<Value> {
-    scene_file::write(&scene.world, &mut Beside::new(path))
-}
 
 /// Writes `scene` to the scene file `path`, with its meshes and images beside it. Returns the
 /// files, the scene last. Existing files are replaced only if `replaces`.

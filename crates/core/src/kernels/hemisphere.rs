@@ -10,7 +10,7 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use crate::math::{Single, Vector};
 
@@ -52,6 +52,13 @@ const REFLECTED: [f64; 9] = {
 };
 
 impl Hemisphere {
+    /// Turns the sky; an environment stays.
+    pub fn turn(&mut self, by: &DMat3) {
+        if let Ambient::Sky { up, .. } = &mut self.light {
+            *up = (*by * up.as_dvec3()).as_vec3();
+        }
+    }
+
     /// Light with these linear colours, `traced` or not; the unit vector `up` points to the sky.
     pub fn new(sky: DVec3, ground: DVec3, up: DVec3, traced: bool) -> Self {
         let [middle, more] = [(sky + ground) / 2.0, (sky - ground) / 2.0].map(|v| v.as_vec3());

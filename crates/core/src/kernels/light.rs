@@ -5,7 +5,7 @@ mod spot;
 
 use std::f32::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 
 pub use distant::Distant;
 pub use spot::Cone;
@@ -155,6 +155,17 @@ impl Emitter {
             Self::Point(position) | Self::Spot(position, _) => Some(*position),
             Self::Distant(distant) if distant.is_parallel() => Some(distant.middle()),
             _ => None,
+        }
+    }
+
+    /// Moves a source without a shape; a cone keeps its direction.
+    pub fn moved(&mut self, by: &DAffine3) {
+        match self {
+            Self::Point(position) | Self::Spot(position, _) => {
+                *position = by.transform_point3(position.as_dvec3()).as_vec3();
+            }
+            Self::Distant(distant) => distant.turn(&by.matrix3),
+            _ => {}
         }
     }
 

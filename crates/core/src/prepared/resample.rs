@@ -1,8 +1,10 @@
 //! Other samples of the same scene, for sweeps over samplers and sample counts.
 
+use glam::DAffine3;
+
 use super::PreparedScene;
 use crate::kernels::camera::DIMENSION;
-use crate::kernels::{Camera, Light};
+use crate::kernels::{Camera, Hemisphere, Light};
 use crate::math::sampling::{Points, Sampling};
 
 /// The sampling of a scene. `None` keeps the scene's own.
@@ -21,12 +23,14 @@ pub struct Samples {
 pub struct Original {
     camera: Camera,
     lights: Vec<Light>,
+    hemisphere: Option<Hemisphere>,
 }
 
 impl PreparedScene {
     /// The starting point of [`PreparedScene::resample`].
     pub fn original(&self) -> Original {
-        Original { camera: self.camera, lights: self.lights.clone() }
+        let Self { camera, ref lights, hemisphere, .. } = *self;
+        Original { camera, lights: lights.clone(), hemisphere }
     }
 
     /// The number of rays of the camera.
@@ -43,11 +47,18 @@ impl PreparedScene {
         self.camera_rays().saturating_mul(1 + lights).saturating_mul(1 + u64::from(goes_on))
     }
 
+    /// Moves all lights without a shape, and turns the sky.
+    pub fn move_lights(&mut self, by: &DAffine3) {
+        self.lights.iter_mut().for_each(|light| light.emitter.moved(by));
+        self.hemisphere.iter_mut().for_each(|hemisphere| hemisphere.turn(&by.matrix3));
+    }
+
     /// Changes the sampling of the scene, whose file had `original`, to `samples`. The image is to
     /// the last bit that of a file with these samples.
     pub fn resample(&mut self, original: &Original, samples: &Samples) {
         self.camera = original.camera.resampled(samples.pixel, samples.lens);
         self.lights.clone_from(&original.lights);
+        self.hemisphere = original.hemisphere;
         let mut dimension = DIMENSION + 1;
         for light in self.lights.iter_mut() {
             light.dimension = dimension;

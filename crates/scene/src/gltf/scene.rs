@@ -38,8 +38,8 @@ pub(super) fn world(
     }
     let mut images = Masks::of_scene(notes.file());
     let shown: Vec<VisibleMesh<'_>> =
-        primitives.iter().map(|one| shown(one, &mut images)).collect();
-    let uses = primitives.iter().map(|primitive| primitive.uses.iter().map(|one| one.world));
+        primitives.iter().map(|one| one.visible(&mut images)).collect();
+    let uses = primitives.iter().map(|primitive| primitive.uses.iter().map(|one| &one.world));
     let instances = shown.iter().zip(uses).flat_map(|(shown, uses)| shown.instances(uses));
     let contents = Scenery::new(instances.collect());
     let own = match options.framing == Framing::default() {
@@ -291,27 +291,6 @@ fn textures(
     });
     (color, maps, set)
 }
-
-/// Largest number of points to check for one primitive, in all its places.
-const MOST_POINTS: usize = 1 << 24;
-
-/// What is visible of a primitive; of one that is shown so often that checking every point would
-/// take too long, its box.
-fn shown<'a>(primitive: &'a Spawned, images: &mut Masks<'_>) -> VisibleMesh<'a> {
-    let points = 3 * primitive.mesh.triangles.len();
-    let uses = primitive.uses.len();
-    if points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
-        return VisibleMesh::boxed(&primitive.mesh);
-    }
-    let fading = primitive.maps.opacity.as_ref().and_then(|map| {
-        let look_up = map.texture.as_ref()?.look_up.clone();
-        Some(CutOut { look_up: Some(look_up), is_mask: false, threshold: LEAST_ALPHA })
-    });
-    VisibleMesh::new(&primitive.mesh, primitive.cutout.as_ref().or(fading.as_ref()), images)
-}
-
-/// Half of the lowest alpha above 0, of 255 levels.
-const LEAST_ALPHA: f64 = 0.5 / 255.0;
 
 /// The cameras of the scene's nodes.
 fn shots(document: &Document) -> Vec<PlacedCamera<'_>> {

@@ -11,6 +11,8 @@ use crate::components::{
     Shading, TextureRef, Transform,
 };
 use crate::mesh::MeshData;
+use crate::staging::VisibleMesh;
+use crate::systems::cutouts::Masks;
 
 /// Points along each side of the grid on a mesh light; each pixel has several rays.
 const LIGHT_SAMPLES: u32 = 3;
@@ -37,6 +39,12 @@ pub(super) struct NodeUse {
 }
 
 impl Spawned {
+    /// What is visible of it.
+    pub(super) fn visible(&self, images: &mut Masks<'_>) -> VisibleMesh<'_> {
+        let surface = (self.cutout.as_ref(), &self.maps);
+        VisibleMesh::of_uses(&self.mesh, surface, self.uses.len(), images)
+    }
+
     /// Adds a shape of the `file` if one node shows the primitive, otherwise a hidden shape and an
     /// instance for each node.
     pub(super) fn add_shapes(

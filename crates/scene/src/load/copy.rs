@@ -8,6 +8,7 @@ use crate::components::{
     Settings, Shading, Sides, Sky, Sphere, Spot, TextureRef, ThinLens, Transform, Transparency,
     Triangle, View,
 };
+use crate::staging::Staged;
 
 /// The same entities with the same components, of the kinds that loading adds. Arrays of meshes are shared.
 pub(super) fn of(world: &World) -> World {
@@ -32,7 +33,7 @@ macro_rules! copied_if_there {
 /// The components of an entity.
 fn copied(entity: EntityRef<'_>) -> EntityBuilder {
     let copy = copied_if_there!(entity:
-        JsonPath, Order, Name, Added, Settings,
+        JsonPath, Order, Name, Added, Staged, Settings,
         View, ThinLens, CameraPath, FreeCamera,
         Environment, Sky, AreaLight, DirectionalLight, PointLight, Spot,
         Mesh, MeshFile, Triangle, Quad, Sphere, Disk,

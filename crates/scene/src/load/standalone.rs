@@ -9,8 +9,8 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::materials::split;
 use crate::components::{
-    Channels, CutOut, Encoding, Filter, JsonPath, LookUp, Material, Mesh, Name, Order, Shading,
-    Sides, TextureRef, TextureSource, Wrap,
+    Channels, CutOut, Encoding, Filter, JsonPath, LookUp, Maps, Material, Mesh, Name, Order,
+    Shading, Sides, TextureRef, TextureSource, Wrap,
 };
 use crate::format::{Declaration, Notes};
 use crate::image_file::Head;
@@ -60,10 +60,11 @@ pub(super) fn world(
     }
     let mut images = Masks::of_scene(path);
     let shown = parts.iter().filter_map(|part| {
-        Some(VisibleMesh::new(&part.get::<&Mesh>()?.data, part.get::<&CutOut>(), &mut images))
+        let surface = (part.get::<&CutOut>(), part.get::<&Maps>().unwrap_or(&Maps::NONE));
+        Some(VisibleMesh::of_uses(&part.get::<&Mesh>()?.data, surface, 1, &mut images))
     });
     let shown: Vec<VisibleMesh<'_>> = shown.collect();
-    let instances = shown.iter().flat_map(|shown| shown.instances(std::iter::once(origin)));
+    let instances = shown.iter().flat_map(|shown| shown.instances([&origin]));
     let contents = Scenery::new(instances.collect());
     // The format states no up axis: in files from CAD programs and for printers it is mostly z.
     let is_stl = path.extension().is_some_and(|name| name.eq_ignore_ascii_case("stl"));

@@ -33,13 +33,17 @@ pub enum Side {
     },
     /// From inside, as a room.
     Inside,
-    /// From this point.
-    Point {
-        /// The position of the camera.
-        eye: DVec3,
-        /// What it looks at; the middle of everything if `None`.
-        look: Option<DVec3>,
-    },
+}
+
+/// Another place for a camera, in the coordinates of the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LookAt {
+    /// The position of the camera.
+    pub eye: DVec3,
+    /// What it looks at; the same as before if `None`.
+    pub target: Option<DVec3>,
+    /// Up in the image; the same as before if `None`.
+    pub up: Option<DVec3>,
 }
 
 impl Side {
@@ -104,7 +108,8 @@ fn sin_cos(degrees: f64) -> (f64, f64) {
 
 wavecrest_base::choices! {
     /// The axis of a file that points upward.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+    #[serde(rename_all = "lowercase")]
     pub enum Up {
         /// +x.
         X = "x",
@@ -113,15 +118,24 @@ wavecrest_base::choices! {
         /// +z, as in most CAD and 3D printing programs.
         Z = "z",
         /// -x.
+        #[serde(rename = "-x")]
         NegativeX = "-x",
         /// -y.
+        #[serde(rename = "-y")]
         NegativeY = "-y",
         /// -z.
+        #[serde(rename = "-z")]
         NegativeZ = "-z",
     }
 }
 
 impl Up {
+    /// The axis nearest to a direction.
+    pub fn nearest(direction: DVec3) -> Self {
+        let along = |up: &Self| up.axes().y_axis.dot(direction);
+        Self::ALL.into_iter().max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or(Self::Y)
+    }
+
     /// Unit vectors to the right, up, and to the front, out of the image: right-handed. With +y up,
     /// as in glTF, the front is +z; other up axes are rotated to +y the shortest way.
     pub fn axes(self) -> DMat3 {

@@ -82,6 +82,8 @@ pub struct Lighting {
     pub rig: Rig,
     /// Whether that also replaces the lights of a glTF file, other than its emission.
     pub replaces: bool,
+    /// Whether the added lights are those of the usual view, wherever [`LookAt`](super::framing::LookAt) takes the camera.
+    pub stays: bool,
     /// The background, overriding the file's or the default light grey.
     pub background: Option<Background>,
     /// Crease angle of a standalone mesh without normals, in degrees: edges with a smaller angle
@@ -92,6 +94,12 @@ pub struct Lighting {
 impl Default for Lighting {
     /// A studio; edges of more than 30 degrees are sharp, as in modelling programs.
     fn default() -> Self {
-        Self { rig: Rig::Studio, replaces: false, background: None, crease_degrees: 30.0 }
+        Self {
+            rig: Rig::Studio,
+            replaces: false,
+            stays: false,
+            background: None,
+            crease_degrees: 30.0,
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 use hecs::{EntityBuilder, World};
 
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::Result;
 use wavecrest_core::kernels::camera::half_extent;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::math::sampling::Sampling;
@@ -61,6 +61,7 @@ pub(crate) fn view(options: &LoadOptions, aspect: Option<f64>) -> Result<View> {
 }
 
 /// The chosen camera, and a description for the user.
+#[derive(Clone, Debug)]
 pub(crate) struct Framed {
     pub(crate) view: View,
     /// Its path, if it turns.
@@ -91,7 +92,7 @@ impl Framed {
 /// A view of all `contents`. `usual` is the up axis unless one is requested.
 ///
 /// # Errors
-/// As [`view`]; and if the camera would be where it looks.
+/// As [`view`].
 pub(crate) fn framed(
     contents: &Scenery<'_>,
     usual: Upward,
@@ -99,16 +100,12 @@ pub(crate) fn framed(
 ) -> Result<Framed> {
     let blank = view(options, None)?;
     let framing = &options.framing;
-    let from_outside = matches!(framing.side, Some(Side::Around { .. } | Side::Point { .. }));
+    let from_outside = matches!(framing.side, Some(Side::Around { .. }));
     let needs_grid = !from_outside || (framing.up.is_none() && matches!(usual, Upward::Guessed(_)));
     let grid = if needs_grid { Grid::of(contents) } else { None };
     let (up, told) = upward(contents, grid.as_ref(), framing.up.map_or(usual, Upward::Stated));
     let stage = ToFrame { contents, grid, up, framing };
     let (view, room) = stage.seen_from(framing.side, blank);
-    if matches!(framing.side, Some(Side::Point { .. })) && view.location == view.look {
-        let error = Error::new(ErrorKind::Usage, "the camera would be at the point it looks at");
-        return Err(error.value(view.location).remedy("use another --from or --at"));
-    }
     let strays = match contents.strays {
         0 => String::new(),
         count => format!("{count} triangles far from the rest are left out of the view; "),
@@ -155,7 +152,7 @@ impl ToFrame<'_> {
     fn seen_from(&self, side: Option<Side>, mut view: View) -> (View, Option<Room>) {
         let (ends, upward) = (&self.contents.ends, self.up.axes().y_axis);
         let room = self.grid.as_ref().and_then(|grid| match side {
-            Some(Side::Around { .. } | Side::Point { .. }) => None,
+            Some(Side::Around { .. }) => None,
             Some(Side::Inside) => Some(room::inside(grid, ends, upward)),
             None => room::find(grid, self.contents, self.up),
         });
@@ -169,14 +166,6 @@ impl ToFrame<'_> {
                 return (view, room);
             }
             (Some(Room::Open(outward)), _) => outward,
-            (_, Some(Side::Point { eye, look })) => {
-                (view.location, view.look) = (eye, look.unwrap_or(self.contents.sphere.center));
-                let back = (eye - view.look).normalize_or_zero();
-                if view.up.cross(back).length() < PARALLEL {
-                    view.up = -self.up.axes().z_axis * back.dot(view.up).signum();
-                }
-                return (view, None);
-            }
             (_, Some(Side::Around { azimuth, elevation })) => {
                 let [back, overhead] = toward(azimuth, elevation).map(|v| self.up.axes() * v);
                 if view.up.cross(back).length() < PARALLEL {

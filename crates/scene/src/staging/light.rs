@@ -11,6 +11,7 @@ use glam::{DMat3, DVec3};
 use hecs::World;
 
 use super::camera::Framed;
+use super::follow::Staged;
 use super::{Scenery, ground};
 use crate::components::{
     Added, AreaLight, DirectionalLight, Encoding, Environment, Falloff, JsonPath, Maps, Mesh,
@@ -21,6 +22,7 @@ use crate::mesh::MeshData;
 use crate::options::lighting::{Background, Lighting, Rig};
 use crate::query::change;
 use crate::scene_file::AMBIENT;
+use crate::systems::bounds::Ends;
 
 /// Bounces: after four, little mirrored light is left.
 const BOUNCES: u32 = 4;
@@ -79,8 +81,22 @@ const HEADLIGHT: DVec3 = DVec3::splat(0.65);
 const STEEP: f64 = 1e-3;
 
 /// Adds lights to a `world` of a `file` without any, and a ground below its `contents` unless the
-/// camera is below it. Returns the other settings, and a description of the choices.
+/// camera is below it; they can follow it from then on. Returns the other settings, and a description of the choices.
 pub(crate) fn light(
+    world: &mut World,
+    contents: &Scenery<'_>,
+    framed: &Framed,
+    file: &Path,
+    lighting: &Lighting,
+) -> (Settings, &'static str) {
+    let (framed_so, lit) = (framed.clone(), framed.view);
+    let staged = Staged { framed: framed_so, lighting: *lighting, lit, ends: contents.ends };
+    world.spawn((staged,));
+    rig(world, contents, framed, file, lighting)
+}
+
+/// As [`light`], without a memory of it.
+pub(super) fn rig(
     world: &mut World,
     contents: &Scenery<'_>,
     framed: &Framed,
@@ -98,8 +114,7 @@ pub(crate) fn light(
     match lighting.rig {
         Rig::None => (under(world, [DVec3::ONE; 2], framed.up, 0), "unlit colours"),
         Rig::Studio => {
-            // A room without extent has no place for a lamp.
-            if let Some(corners) = framed.lamp.filter(quad_has_area) {
+            if let Some(corners) = room_lamp(framed, &contents.ends) {
                 world.spawn(ceiling(corners));
                 let settings = under(world, ROOM, framed.up, SKY_SAMPLES);
                 return (settings, "a light under the ceiling is added");
@@ -128,6 +143,14 @@ pub(crate) fn light(
             (under(world, light, framed.up, 0), "a light at the camera and a sky are added")
         }
     }
+}
+
+/// The corners of the lamp of a room whose box has these ends, for a camera inside. A room without extent has no place for
+/// one.
+pub(super) fn room_lamp(framed: &Framed, [low, high]: &Ends) -> Option<[DVec3; 4]> {
+    let eye = framed.view.location;
+    let is_inside = eye.cmpge(*low).all() && eye.cmple(*high).all();
+    framed.lamp.filter(|corners| is_inside && quad_has_area(corners))
 }
 
 /// Adds an image around a `world` of a `file`, as its only light. Returns as [`light`].
@@ -195,7 +218,7 @@ fn ceiling(corners: [DVec3; 4]) -> (Order, JsonPath, Added, AreaLight, Mesh) {
 }
 
 /// The directions to the right, up and to the camera, for an upright viewer in front of the scene.
-fn axes(Framed { view, up, .. }: &Framed) -> DMat3 {
+pub(super) fn axes(Framed { view, up, .. }: &Framed) -> DMat3 {
     let level = |v: DVec3| v - *up * v.dot(*up);
     // From directly above, the lower edge of the image is in front.
     let from = view.location - view.look;

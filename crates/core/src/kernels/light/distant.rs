@@ -1,6 +1,6 @@
 //! Light from infinitely far away: parallel rays, or rays from a round patch of the sky.
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use crate::math::float::normalize_f64;
 use crate::math::sampling;
@@ -29,6 +29,11 @@ impl Distant {
             height: 2.0 * half_sine * half_sine,
             reach: Self::reach(diameter),
         }
+    }
+
+    /// Turns the patch.
+    pub fn turn(&mut self, by: &DMat3) {
+        self.axes = self.axes.map(|axis| *by * axis);
     }
 
     /// The length of a vector that leaves a scene of this `diameter`: at least twice that, as a
