@@ -11,6 +11,7 @@ use super::request::{Half, Shown};
 use wavecrest_base::words;
 use wavecrest_image::write::png;
 use wavecrest_scene::components::View;
+use wavecrest_scene::load::FileFormat;
 use wavecrest_scene::load::framing::LookAt;
 
 /// Options on what is read, with whether each has a value: the commands have them as they were given.
@@ -41,6 +42,11 @@ pub(super) struct TakeAway {
 impl TakeAway {
     pub(super) fn new(file: &Path, words: Vec<String>) -> Self {
         Self { file: file.to_owned(), words }
+    }
+
+    /// Whether it is a scene file.
+    pub(super) fn is_scene(&self) -> bool {
+        FileFormat::of(&self.file).is_ok_and(|format| format == FileFormat::Scene)
     }
 
     /// The name of what is saved or written, after that of the file.
@@ -97,9 +103,11 @@ impl TakeAway {
         of_image.extend(half.differs().flatten().map(str::to_owned));
         let render = ["wavecrest".to_owned(), file.clone(), self.named("view.png")];
         let convert = ["wavecrest".to_owned(), "convert".to_owned(), file, self.named("view.json")];
+        // A scene file may name images anywhere, and they are on the page.
+        let outside = self.is_scene().then(|| "--allow-outside".to_owned());
         [
             words::command(render.into_iter().chain(of_file.clone()).chain(of_image)),
-            words::command(convert.into_iter().chain(of_file)),
+            words::command(convert.into_iter().chain(of_file).chain(outside)),
         ]
     }
 

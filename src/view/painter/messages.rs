@@ -8,7 +8,6 @@ use crate::view::exchange::Kind;
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_image::look::Look;
 use wavecrest_image::write::Transfer;
-use wavecrest_scene::load::FileFormat;
 use wavecrest_scene::load::framing::Up;
 
 impl Painter<'_> {
@@ -33,8 +32,6 @@ impl Painter<'_> {
         let view = &self.steering.view;
         let commands =
             self.take_away.commands(&self.halves[0], &self.shown, [self.steering.start(), view]);
-        let is_scene =
-            FileFormat::of(&self.args.scene).is_ok_and(|format| format == FileFormat::Scene);
         let state = json!({
             "kind": "state",
             "file": self.args.scene.file_name().unwrap_or_default().to_string_lossy(),
@@ -44,7 +41,7 @@ impl Painter<'_> {
             "own_size": self.own_size,
             "looks": Look::ALL,
             "transfers": Transfer::ALL,
-            "ups": if is_scene { &[][..] } else { &Up::ALL },
+            "ups": if self.take_away.is_scene() { &[][..] } else { &Up::ALL },
             "follows": self.ready.has_added_lights(),
             "camera": {"location": view.location.to_array(), "look": view.look.to_array(), "up": view.up.to_array(), "fov": view.fov_degrees},
             "commands": commands,
