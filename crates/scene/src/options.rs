@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::format::Notes;
-use crate::components::Sampling;
 use framing::{Framing, LookAt};
 use lighting::Lighting;
+use wavecrest_core::math::sampling::Sampling;
 
 pub mod framing;
 pub mod lighting;
