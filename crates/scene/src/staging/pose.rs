@@ -48,8 +48,7 @@ impl Heights {
         let none = || vec![f32::INFINITY; 6 * CELLS * CELLS];
         let add = |heights: &mut Vec<f32>, point: DVec3| {
             let share = (point - low) * scale;
-            let cells = share.to_array().map(|x| (x * CELLS as f64) as usize);
-            let cells = cells.map(|cell| cell.min(CELLS - 1));
+            let cells = share.to_array().map(|x| ((x * CELLS as f64) as usize).min(CELLS - 1));
             for axis in 0..3 {
                 let [u, v] = across(axis).map(|side| cells[side]);
                 let cell = ((2 * axis) * CELLS + v) * CELLS + u;

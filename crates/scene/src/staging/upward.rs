@@ -31,6 +31,8 @@ pub(crate) enum Upward {
 const STANDS: f64 = 0.15;
 /// and in directions that are rarely up.
 const SURELY: f64 = 0.2;
+/// These directions.
+const RARE: [Up; 4] = [Up::X, Up::NegativeX, Up::NegativeY, Up::NegativeZ];
 /// Smallest difference between a mesh and its mirror image in the direction that is up, as a share of
 /// that along the usual axis: a statue is not laid on its side.
 const AS_ODD: f64 = 1.0 / 3.0;
@@ -47,10 +49,7 @@ const WIDE: f64 = 0.5;
 /// The up axis; and the reason if it is not the `usual` one, y or z.
 pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Option<&'static str>) {
     let size = contents.ends[1] - contents.ends[0];
-    let (other, opposite, rest) = match usual {
-        Up::Z => (Up::Y, Up::NegativeZ, [Up::X, Up::NegativeX, Up::NegativeY]),
-        _ => (Up::Z, Up::NegativeY, [Up::X, Up::NegativeX, Up::NegativeZ]),
-    };
+    let other = if usual == Up::Z { Up::Y } else { Up::Z };
     let heights = Heights::of(contents);
     let pose = |up| Pose::new(up, grid, &heights, size);
     let [own, other] = [usual, other].map(pose);
@@ -71,8 +70,8 @@ pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Opti
     };
     // A mushroom does not stand on its head, nor a bowl on its rim: neither tips over.
     let tips = own.support(BASE_DEPTH) == 0.0;
-    let rest = rest.into_iter().chain(tips.then_some(opposite)).map(pose);
-    let all = rest.filter(|_| other.falls()).chain([pose(other.up)]).filter(stands);
+    let may_be = |pose: &Pose<'_>| other.falls() && (tips || pose.axis != own.axis);
+    let all = RARE.map(pose).into_iter().filter(may_be).chain([pose(other.up)]).filter(stands);
     let support = |pose: &Pose<'_>| pose.support(RAISED);
     if let Some(best) = all.max_by(|a, b| support(a).total_cmp(&support(b))) {
         return (best.up, Some("the mesh stands along it, and would fall over along the other"));
