@@ -10,6 +10,7 @@ mod follow;
 mod grid;
 mod ground;
 mod light;
+mod pose;
 mod room;
 mod strays;
 mod upward;
@@ -205,22 +206,31 @@ impl<'a> Scenery<'a> {
         &self,
         none: T,
         of: impl Fn(DVec3) -> T + Sync,
-        merge: impl Fn(T, T) -> T + Sync + Send,
+        merge: impl Fn(T, T) -> T + Sync,
     ) -> T {
-        let of_instance = |instance: &MeshInstance<'_>| {
-            let point = |p: &Vec3| of(instance.world.transform_point3(p.as_dvec3()));
-            let block = |(block, points): (usize, &[Vec3])| {
-                let Some(seen) = &instance.seen else {
-                    return points.iter().map(point).fold(none, &merge);
-                };
-                let numbered = (block * BLOCK..).zip(points);
-                let shown = numbered.filter(|(i, _)| is_set(seen, *i));
-                shown.map(|(_, p)| point(p)).fold(none, &merge)
-            };
-            let blocks = instance.points.chunks(BLOCK).enumerate();
-            parallel::map(blocks, block).into_iter().fold(none, &merge)
-        };
-        self.all.iter().map(of_instance).fold(none, &merge)
+        let add = |own: &mut T, point| *own = merge(*own, of(point));
+        self.gather(|| none, add).into_iter().fold(none, &merge)
+    }
+
+    /// Adds all visible points to the states of threads, in any order.
+    fn gather<T: Send>(
+        &self,
+        none: impl Fn() -> T + Sync,
+        add: impl Fn(&mut T, DVec3) + Sync,
+    ) -> Vec<T> {
+        let blocks = self.all.iter().flat_map(|instance| {
+            (0..)
+                .step_by(BLOCK)
+                .zip(instance.points.chunks(BLOCK))
+                .map(move |block| (instance, block))
+        });
+        parallel::with_state(blocks, none, |own, (instance, (first, points))| {
+            for (i, point) in (first..).zip(points) {
+                if instance.seen.as_ref().is_none_or(|seen| is_set(seen, i)) {
+                    add(own, instance.world.transform_point3(point.as_dvec3()));
+                }
+            }
+        })
     }
 
     /// The box around what `of` makes of all points; `None` without points.

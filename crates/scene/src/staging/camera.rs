@@ -12,8 +12,9 @@ use wavecrest_core::math::sampling::Sampling;
 
 use super::fit::{self, NEAREST, PARALLEL};
 use super::grid::Grid;
+use super::pose::FLAT;
 use super::room::{self, Room};
-use super::upward::{self, FLAT, Upward};
+use super::upward::{self, Upward};
 use super::{BoundingSphere, Scenery};
 use crate::camera;
 use crate::components::{CameraPath, FovAxis, Interpolation, View};

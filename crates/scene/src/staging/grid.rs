@@ -208,6 +208,14 @@ fn rays_within(x: [f64; 3]) -> Option<Range<usize>> {
 }
 
 impl ColumnHits {
+    /// The outermost hits, from the low end on, or from the high end with that end as the low one.
+    pub(super) fn outermost(&self, from_high: bool) -> Option<[MetTriangle; 2]> {
+        let turned =
+            |met: MetTriangle| MetTriangle { at: 1.0 - met.at, faces_high: !met.faces_high, ..met };
+        self.ends
+            .map(|[low, high]| if from_high { [turned(high), turned(low)] } else { [low, high] })
+    }
+
     /// Records a hit of the ray. The order does not matter.
     fn meet(&mut self, met: MetTriangle) {
         let sorted = |a: MetTriangle, b: MetTriangle| if a <= b { [a, b] } else { [b, a] };

@@ -106,7 +106,7 @@ fn slopes(lamp: &DirectionalLight, axes: &DMat3) -> impl Iterator<Item = DVec2> 
 
 /// The corners of the convex hull, in the winding of a face that looks up (Andrew, *Another
 /// Efficient Algorithm for Convex Hulls in Two Dimensions*, 1979).
-fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
+pub(super) fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let half = |points: &mut dyn Iterator<Item = DVec2>| {
         let mut chain: Vec<DVec2> = Vec::new();

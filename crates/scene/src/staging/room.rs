@@ -3,7 +3,8 @@
 //! A room has walls at the ends of its box. What decides is what is between them: something, and
 //! room to look at it, whichever way the walls face. Where nothing is, a room must show the backs of
 //! its walls outward and be open somewhere: a box is closed, and a solid block shows its fronts.
-//! What is in closed solids, such as moulds and rows of blocks, is no room to look from. If one wall
+//! What is in closed solids, such as moulds and rows of blocks, is no room to look from, even if they
+//! are inside out. If one wall
 //! is missing, as in a doll's house or in the Cornell box, the room is seen from outside through the
 //! open side.
 
@@ -31,8 +32,8 @@ const FREE: f64 = 0.5;
 const FURNITURE_DEPTH: f64 = 0.15;
 /// which must be in at least this share of the columns.
 const FURNITURE: f64 = 0.1;
-/// Largest share of the columns whose way through the centre has a front at one end and a back at the
-/// other, for a file of closed solids alone: theirs have two fronts around a gap, or two backs in one.
+/// Share of the columns whose way through the centre has a front at one end and a back at the other,
+/// which a file of closed solids alone may have in any case.
 const MIXED: f64 = 0.02;
 /// Height of the eye as a share of the room's: 1.5 of 2.6 metres.
 const EYE: f64 = 0.58;
@@ -110,8 +111,11 @@ pub(super) fn find(grid: &Grid, contents: &Scenery<'_>, up: Up) -> Option<Room> 
     let walls = || sides.iter().filter(|side| side.is_wall());
     let inward = walls().map(|side| side.inward).sum::<f64>() / walls().count().max(1) as f64;
     let is_closed = sides.iter().all(|side| side.covered >= CLOSED);
-    let shows_backs = inward >= BACKS && !(is_closed && is_empty(contents));
-    let is_furnished = || walls().count() == sides.len() && is_furnished(grid);
+    let (backs, are_solids) = solids(grid);
+    // The walls of a room show their fronts to its middle; those of a mould turned inside out do not.
+    let is_mould = are_solids && backs >= FURNITURE;
+    let shows_backs = inward >= BACKS && !is_mould && !(is_closed && is_empty(contents));
+    let is_furnished = || walls().count() == sides.len() && is_furnished(grid, are_solids);
     if !sides.iter().find(is_floor)?.is_wall() || !(shows_backs || is_furnished()) {
         return None;
     }
@@ -133,16 +137,33 @@ fn is_empty(contents: &Scenery<'_>) -> bool {
     contents.reduce(true, is_near, |a, b| a && b)
 }
 
+/// The columns along all axes.
+fn columns(grid: &Grid) -> impl Iterator<Item = &ColumnHits> {
+    (0..3).flat_map(|axis| grid.along(axis))
+}
+
+/// The share of the columns that are such.
+fn share(grid: &Grid, is: impl Fn(&ColumnHits) -> bool) -> f64 {
+    columns(grid).filter(|column| is(column)).count() as f64 / columns(grid).count() as f64
+}
+
+/// Whether the ends of the way through the centre of a column show it their backs.
+fn backs(column: &ColumnHits) -> Option<[bool; 2]> {
+    Some([!column.below?.faces_high, column.above?.faces_high])
+}
+
+/// The share of the columns that show their backs to the centre at both ends; and whether all is closed
+/// solids: what they have is two backs around a part or two fronts around a gap, so that the ends agree.
+fn solids(grid: &Grid) -> (f64, bool) {
+    let of = |ends: [bool; 2]| share(grid, |column| backs(column) == Some(ends));
+    let (fronts, backs) = (of([false; 2]), of([true; 2]));
+    let mixed = of([false, true]) + of([true, false]);
+    // Were the ends independent of each other, the former would be twice the root.
+    (backs, mixed <= MIXED.max((fronts * backs).sqrt()))
+}
+
 /// Whether there is something that is no wall, and room around the centre.
-fn is_furnished(grid: &Grid) -> bool {
-    let columns = || (0..3).flat_map(|axis| grid.along(axis));
-    let share = |is: &dyn Fn(&ColumnHits) -> bool| {
-        columns().filter(|column| is(column)).count() as f64 / columns().count() as f64
-    };
-    // Whether the ends of the way through the centre show it their backs.
-    let backs = |column: &ColumnHits| Some([!column.below?.faces_high, column.above?.faces_high]);
-    let is_mixed = |column: &ColumnHits| backs(column).is_some_and(|[a, b]| a != b);
-    let are_solids = share(&is_mixed) <= MIXED;
+fn is_furnished(grid: &Grid, are_solids: bool) -> bool {
     let is_in_solid = |column: &ColumnHits| are_solids && backs(column) == Some([true; 2]);
     let is_met = |column: &ColumnHits| {
         let [from, to] = free(column);
@@ -152,7 +173,7 @@ fn is_furnished(grid: &Grid) -> bool {
         let [from, to] = free(column);
         to - from >= FREE && !is_in_solid(column)
     };
-    share(&is_met) >= FURNITURE && share(&is_free) >= 0.5
+    share(grid, is_met) >= FURNITURE && share(grid, is_free) >= 0.5
 }
 
 /// The view from one end of the longer axis to the other, along the freest line near the middle.
@@ -306,6 +327,8 @@ mod tests {
             let block = |i| ([f32::from(i) * 1.2, 0.0, 0.0], [f32::from(i) * 1.2 + 1.0, 1.0, 1.0]);
             assert_eq!(found(&boxes(&(0..count).map(block).collect::<Vec<_>>())), None, "{count}");
         }
+        let hollow = ([0.2; 3], [3.8, 2.0, 5.8]);
+        assert_eq!(furnished(true, &[3, 9], &[hollow]), None, "an open mould, inside out");
         assert_eq!(walls(true, &[2]), None, "no floor");
         assert_eq!(walls(true, &[0, 5]), None, "two walls");
     }

@@ -1,17 +1,20 @@
 //! Guesses the up axis of a mesh, if neither its format nor its user states it.
 //!
-//! Scans, printed parts and models have y or z up. Four features count as evidence against the
-//! usual axis of a format. The mesh would stand along the other axis, and would fall over along the
-//! usual one. Or it is its own mirror image along the usual axis alone, and would fall over along it,
-//! as a fish or an aeroplane: left and right may be alike, top and bottom hardly ever are. Or it is a
-//! wide, thin surface of one layer that faces along the other axis, as terrain does; or wide and low
-//! with a ground below it, a sheet that faces up, as a courtyard has. A mesh stands if its centre is
-//! above its support polygon, the convex hull of its lowest points: so a chair stands on its legs.
-
-use glam::{DVec2, DVec3};
+//! Scans, printed parts and models have y or z up, and seldom lie or stand on their heads. Four features
+//! count as evidence against the usual axis of a format. The mesh would stand in another direction, and
+//! would fall over along the usual one. Or it is its own mirror image along the usual axis alone, and
+//! would fall over along it, as a fish or an aeroplane: left and right may be alike, top and bottom
+//! hardly ever are. Or it is a wide, thin surface of one layer that faces along the other axis, as
+//! terrain does; or wide and low with a ground below it, a sheet that faces up, as a courtyard has.
+//!
+//! A mesh stands if its centre is above its support polygon, the convex hull of its lowest points: so
+//! a chair stands on its legs. Of all directions in which it stands, the one with the largest polygon
+//! is up. What is wide, low and above its ground nearly everywhere does not fall over, even if a well
+//! is below the ground.
 
 use super::Scenery;
-use super::grid::{ColumnHits, Grid, MetTriangle, across};
+use super::grid::Grid;
+use super::pose::{BASE_DEPTH, Heights, Pose, RAISED, SYMMETRIC};
 use crate::options::framing::Up;
 
 /// The up axis of a file unless the user states one.
@@ -23,23 +26,16 @@ pub(crate) enum Upward {
     Guessed(Up),
 }
 
-/// Largest distance of a support from the lowest point, as a share of the height.
-const BASE_DEPTH: f64 = 0.02;
-/// The same for what has legs and is not higher than long: some feet of what steps are in the air.
-const RAISED: f64 = 0.12;
-/// Largest share of a support polygon that is above what supports it, for legs.
-const LEGS: f64 = 0.5;
-/// Smallest share of the bounding rectangle that a support polygon covers: along the usual axis,
-/// where little is enough to leave a mesh as it is,
-const COULD_STAND: f64 = 0.1;
-/// and along another: the feet of a figure with its arms spread out cover no more.
+/// Smallest share of the bounding rectangle that a support polygon covers along the other of y and z:
+/// the feet of a figure with its arms spread out cover no more,
 const STANDS: f64 = 0.15;
-/// Smallest share of hits from below on the outside of a mesh that stands: an open mesh that lies on
-/// its rim is not a closed one on its base.
-const CLOSED: f64 = 0.75;
-/// Largest mean difference between a mesh and its mirror image, as a share of its length: that of
-/// left and right is below a twelfth, of top and bottom above a fifth.
-const SYMMETRIC: f64 = 0.1;
+/// and in directions that are rarely up.
+const SURELY: f64 = 0.2;
+/// These directions.
+const RARE: [Up; 4] = [Up::X, Up::NegativeX, Up::NegativeY, Up::NegativeZ];
+/// Smallest difference between a mesh and its mirror image in the direction that is up, as a share of
+/// that along the usual axis: a statue is not laid on its side.
+const AS_ODD: f64 = 1.0 / 3.0;
 /// The difference from which on the bottom and the top are taken for such without a support.
 const ASYMMETRIC: f64 = 0.2;
 /// Smallest height of what is set up without a support, as a share of its height so far: masks and
@@ -47,132 +43,53 @@ const ASYMMETRIC: f64 = 0.2;
 const LOWER: f64 = 0.7;
 /// Largest height of what is set up for its two sides, as a share of its shorter side: swords lie.
 const TALLEST: f64 = 5.0;
-/// Smallest share of hits from below on a ground: walls, trees and holes are not hit there,
-const GROUND: f64 = 0.5;
-/// largest height of a ground, as a share of that of everything,
-const GROUND_DEPTH: f64 = 0.25;
-/// and largest height of what is on a ground, as a share of its shorter side.
+/// Largest height of what is on a ground, as a share of its shorter side.
 const WIDE: f64 = 0.5;
-/// Number of directions in which the outermost points make up a support polygon.
-const SIDES: usize = 16;
-/// Largest height of what lies flat, as a share of its shorter side.
-pub(super) const FLAT: f64 = 0.35;
-/// Share of the hits from above with a single layer.
-const NEARLY_ALL: f64 = 0.9;
-/// Smallest share of its bounding rectangle that terrain covers.
-const TERRAIN_COVERS: f64 = 0.6;
 
-/// The up axis, y or z; and the reason if it is not the `usual` one.
+/// The up axis; and the reason if it is not the `usual` one, y or z.
 pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Option<&'static str>) {
     let size = contents.ends[1] - contents.ends[0];
-    let (own, (other, axis)) = match usual {
-        Up::Z => (2, (Up::Y, 1)),
-        _ => (1, (Up::Z, 2)),
-    };
-    let height = |axis: usize| size[axis] / size[(axis + 1) % 3].min(size[(axis + 2) % 3]);
-    let is_flat = |axis| height(axis) <= FLAT;
-    let is_field = |axis| is_flat(axis) && is_terrain(grid.along(axis));
-    if size[axis] > 0.0 && is_field(axis) && !is_field(own) {
-        return (other, Some("the mesh is wide and low, as terrain is"));
+    let other = if usual == Up::Z { Up::Y } else { Up::Z };
+    let heights = Heights::of(contents);
+    let pose = |up| Pose::new(up, grid, &heights, size);
+    let [own, other] = [usual, other].map(pose);
+    if other.is_field() && !own.is_field() {
+        return (other.up, Some("the mesh is wide and low, as terrain is"));
     }
-    let (columns, asymmetry) = (grid.along(axis), asymmetry(grid.along(axis)));
-    let is_symmetric = self::asymmetry(grid.along(own)) < SYMMETRIC && height(axis) <= TALLEST;
-    let lies = is_flat(own) && !is_symmetric;
+    let is_long = other.height() > TALLEST;
+    let lies = own.is_flat() && (is_long || own.asymmetry() >= ASYMMETRIC);
     // What is flat is a figure.
-    if lies || asymmetry < SYMMETRIC || size[axis] <= 0.0 {
+    if lies || own.rests() {
         return (usual, None);
     }
-    let falls = |depth| support(contents, size, own, depth) < COULD_STAND;
-    let stands = |depth| support(contents, size, axis, depth) >= STANDS;
-    let is_closed = is_closed(columns);
-    let steps = || {
-        if size[axis] > size[own] {
-            return false;
-        }
-        let legs = columns.iter().filter(|c| c.ends.is_some_and(|[low, _]| low.at <= RAISED));
-        let legs = legs.count() as f64 / columns.len() as f64;
-        let support = support(contents, size, axis, RAISED);
-        support >= STANDS && legs <= LEGS * support && falls(RAISED)
+    let stands = |pose: &Pose<'_>| {
+        let least = if pose.up == other.up { STANDS } else { SURELY };
+        let is_on_base = pose.support(BASE_DEPTH) >= least || pose.steps(&own, least);
+        let is_odd = pose.differs() && pose.asymmetry() >= own.asymmetry() * AS_ODD;
+        own.falls() && is_on_base && is_odd && pose.is_closed()
     };
-    if is_closed && (stands(BASE_DEPTH) && falls(BASE_DEPTH) || steps()) {
-        return (other, Some("the mesh stands along it, and would fall over along the other"));
+    // A mushroom does not stand on its head, nor a bowl on its rim: neither tips over.
+    let tips = own.support(BASE_DEPTH) == 0.0;
+    let may_be = |pose: &Pose<'_>| other.falls() && (tips || pose.axis != own.axis);
+    let all = RARE.map(pose).into_iter().filter(may_be).chain([pose(other.up)]).filter(stands);
+    let support = |pose: &Pose<'_>| pose.support(RAISED);
+    if let Some(best) = all.max_by(|a, b| support(a).total_cmp(&support(b))) {
+        return (best.up, Some("the mesh stands along it, and would fall over along the other"));
     }
-    let is_set_up = is_closed && asymmetry >= ASYMMETRIC && size[axis] >= LOWER * size[own];
-    if height(axis) <= WIDE && has_ground(columns) && stands(RAISED) {
-        return (other, Some("the mesh is wide and low, with a ground below it"));
+    if !other.differs() {
+        return (usual, None);
     }
-    if is_symmetric && is_set_up && falls(BASE_DEPTH) {
-        return (other, Some("the mesh is its own mirror image along the other"));
+    if other.height() <= WIDE && other.has_ground() && other.support(RAISED) >= STANDS {
+        return (other.up, Some("the mesh is wide and low, with a ground below it"));
+    }
+    let is_symmetric = own.asymmetry() < SYMMETRIC && !is_long;
+    let is_set_up = other.is_closed()
+        && other.asymmetry() >= ASYMMETRIC
+        && size[other.axis] >= LOWER * size[own.axis];
+    if is_symmetric && is_set_up && own.falls() {
+        return (other.up, Some("the mesh is its own mirror image along the other"));
     }
     (usual, None)
-}
-
-/// The mean of what `of` makes of the outermost hits, over the columns with hits.
-fn mean(columns: &[ColumnHits], of: impl Fn([MetTriangle; 2]) -> f64) -> f64 {
-    let met = || columns.iter().filter_map(|column| column.ends);
-    met().map(of).sum::<f64>() / met().count() as f64
-}
-
-/// The share of the columns with hits whose outermost hits are such.
-fn share(columns: &[ColumnHits], is: impl Fn([MetTriangle; 2]) -> bool) -> f64 {
-    mean(columns, |ends| f64::from(u8::from(is(ends))))
-}
-
-/// Whether hits from below are on the outside.
-fn is_closed(columns: &[ColumnHits]) -> bool {
-    share(columns, |[low, _]| !low.faces_high) >= CLOSED
-}
-
-/// The mean difference between a mesh and its mirror image along the columns.
-fn asymmetry(columns: &[ColumnHits]) -> f64 {
-    mean(columns, |[low, high]| (low.at + high.at - 1.0).abs())
-}
-
-/// Whether the base is a sheet that faces up, as the ground of a courtyard does, and no back of a
-/// cupboard.
-fn has_ground(columns: &[ColumnHits]) -> bool {
-    share(columns, |[low, _]| low.faces_high && low.at <= GROUND_DEPTH) >= GROUND
-}
-
-/// The share of the bounding rectangle that the support polygon covers, of what is at most a `depth`
-/// above the lowest point, as a share of the height; 0 if its centre is outside.
-fn support(contents: &Scenery<'_>, size: DVec3, axis: usize, depth: f64) -> f64 {
-    let sides = across(axis);
-    if sides.iter().any(|&side| size[side] <= 0.0) {
-        return 0.0;
-    }
-    // None of them is an axis of the rectangle, along which two corners would be equally far.
-    let directions: [DVec2; SIDES] = std::array::from_fn(|i| {
-        let (sine, cosine) = libm::sincos((i as f64 + 0.5) * std::f64::consts::TAU / SIDES as f64);
-        DVec2::new(cosine, sine)
-    });
-    let none = [None; SIDES];
-    let of = |point: DVec3| {
-        let from = point - contents.ends[0];
-        let at = DVec2::new(from[sides[0]] / size[sides[0]], from[sides[1]] / size[sides[1]]);
-        if from[axis] <= depth * size[axis] { [Some(at); SIDES] } else { none }
-    };
-    let merge = |a: [Option<DVec2>; SIDES], b: [Option<DVec2>; SIDES]| {
-        if b[0].is_none() {
-            return a;
-        }
-        let key = |i: usize, p: &DVec2| (p.dot(directions[i]), p.x);
-        std::array::from_fn(|i| {
-            a[i].into_iter().chain(b[i]).reduce(|a, b| if key(i, &b) > key(i, &a) { b } else { a })
-        })
-    };
-    let found = contents.reduce(none, of, merge);
-    let corner = |i: usize| found[i % SIDES].unwrap_or_default() - DVec2::splat(0.5);
-    let edges = (0..SIDES).map(|i| corner(i).perp_dot(corner(i + 1)));
-    // Twice the areas of triangles from the centre to each edge.
-    if edges.clone().all(|area| area >= 0.0) { edges.sum::<f64>() / 2.0 } else { 0.0 }
-}
-
-/// Whether there is one layer that faces up, and covers most of the ground.
-fn is_terrain(columns: &[ColumnHits]) -> bool {
-    let covered = columns.iter().filter(|column| column.ends.is_some()).count() as f64;
-    let is_layer = |[low, high]: [MetTriangle; 2]| low.at == high.at && high.faces_high;
-    covered >= TERRAIN_COVERS * columns.len() as f64 && share(columns, is_layer) >= NEARLY_ALL
 }
 
 #[cfg(test)]
@@ -189,9 +106,14 @@ mod tests {
         up
     }
 
-    /// The points as in a file with y up.
-    fn turned((points, triangles): Solid) -> Solid {
-        (points.iter().map(|p| Vec3::new(p.x, p.z, -p.y)).collect(), triangles)
+    /// The points as in a file with another axis up than z.
+    fn upright((points, triangles): Solid, up: Up) -> Solid {
+        let turn = (up.axes() * Up::Z.axes().transpose()).as_mat3();
+        (points.iter().map(|p| turn * *p).collect(), triangles)
+    }
+
+    fn turned(mesh: Solid) -> Solid {
+        upright(mesh, Up::Y)
     }
 
     /// A pyramid whose base is a square perpendicular to z; the first two triangles are its base.
@@ -242,6 +164,15 @@ mod tests {
         mesh.0.iter_mut().take(2).for_each(|p| p.z = 0.3);
         mesh.0.iter_mut().skip(32).for_each(|p| p.z *= 0.5);
         mesh
+    }
+
+    /// A courtyard in which a well goes down below the ground.
+    fn well() -> Solid {
+        let (mut points, mut triangles) = courtyard();
+        let well = boxes(&[([2.0, 4.0, -1.0], [3.0, 5.0, 0.5])]);
+        triangles.extend(well.1.iter().map(|triangle| triangle.map(|i| i + points.len() as u32)));
+        points.extend(well.0);
+        (points, triangles)
     }
 
     /// A cupboard without doors: the walls of a courtyard, and a back that is seen from behind.
@@ -300,6 +231,7 @@ mod tests {
             ("and so it does where y is up", turned(courtyard()), Up::Y, Up::Y),
             ("a scan of a courtyard likewise", scanned_courtyard(), Up::Z, Up::Z),
             ("and where y is up", turned(scanned_courtyard()), Up::Y, Up::Y),
+            ("a well is no foot to fall over on", turned(well()), Up::Y, Up::Z),
             ("a cupboard stands on its base", cupboard(), Up::Y, Up::Z),
             ("a room is not laid on its back", room(), Up::Y, Up::Z),
             ("a bird in flight is upright by its sides", bird(), Up::Z, Up::Z),
@@ -310,6 +242,12 @@ mod tests {
         ] {
             let found = [Up::Y, Up::Z].map(|usual| guessed(&mesh, usual));
             assert_eq!(found, [where_y_is_usual, where_z_is_usual], "{what}");
+        }
+        for up in [Up::X, Up::Y, Up::Z, Up::NegativeX, Up::NegativeY, Up::NegativeZ] {
+            for mesh in [horse(), stepping_horse()] {
+                let mesh = upright(mesh, up);
+                assert_eq!([Up::Y, Up::Z].map(|usual| guessed(&mesh, usual)), [up; 2], "a horse");
+            }
         }
     }
 }
