@@ -1,8 +1,10 @@
 //! Conversion of linear values to the levels of 8-bit formats.
 
+use std::sync::LazyLock;
+
 use wavecrest_base::{parallel, progress};
 use wavecrest_core::film::Film;
-use wavecrest_core::math::srgb::srgb_encode;
+use wavecrest_core::math::srgb::{srgb_decode, srgb_encode};
 
 wavecrest_base::choices! {
     /// The transfer curve from linear values, 0 to 1, to 256 levels. Float formats are always
@@ -104,7 +106,7 @@ pub fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
     let values = row.as_flattened().iter();
     match transfer {
         Transfer::Linear => values.map(|&value| linear_level(value)).collect(),
-        Transfer::Srgb => values.map(|&value| linear_level(srgb_encode(value))).collect(),
+        Transfer::Srgb => values.map(|&value| SRGB.level(value)).collect(),
     }
 }
 
@@ -116,10 +118,53 @@ pub(super) fn linear_level(value: f32) -> u8 {
     (below + i32::from(scaled - below as f32 >= 0.5)) as u8
 }
 
+static SRGB: LazyLock<SrgbLevels> = LazyLock::new(|| {
+    let exact = |value| linear_level(srgb_encode(value));
+    let least = |level: u8| {
+        let mut value = srgb_decode((f32::from(level) - 0.5) / 255.0);
+        while exact(value.next_down()) >= level {
+            value = value.next_down();
+        }
+        while exact(value) < level {
+            value = value.next_up();
+        }
+        value
+    };
+    let starts = (DARK.to_bits()..=1.0_f32.to_bits()).step_by(1 << SHIFT);
+    SrgbLevels {
+        at_starts: starts.map(|bits| exact(f32::from_bits(bits))).collect(),
+        ends: (1..=255).map(least).chain([f32::INFINITY]).collect(),
+    }
+});
+
+/// The levels of the sRGB curve by tables: the same as those of the curve's values, which take ten times as long.
+struct SrgbLevels {
+    /// The level at the start of each interval from [`DARK`] to 1.
+    at_starts: Vec<u8>,
+    /// For each level the least value above it.
+    ends: Vec<f32>,
+}
+
+/// A value whose level is 0, as are those below.
+const DARK: f32 = 1.0 / 8192.0;
+
+/// The low bits of a value, which do not change its interval: 128 intervals from each power of 2 to the next are narrow
+/// enough that none has the ends of two levels.
+const SHIFT: u32 = 16;
+
+impl SrgbLevels {
+    fn level(&self, value: f32) -> u8 {
+        let value = value.clamp(DARK, 1.0);
+        let interval = (value.to_bits() - DARK.to_bits()) as usize >> SHIFT;
+        // NaN, which is beyond all intervals, is black.
+        let exceeds = |level: u8| value >= self.ends[usize::from(level)];
+        self.at_starts.get(interval).map_or(0, |&level| level + u8::from(exceeds(level)))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wavecrest_core::math::srgb::srgb_decode;
 
     #[test]
     fn levels_round_and_clamp_in_either_transfer() {
@@ -173,7 +218,15 @@ mod tests {
     }
 
     #[test]
-    fn the_srgb_curve_can_be_undone() {
+    fn the_srgb_curve_can_be_undone_and_its_table_is_exact() {
+        let same = |bits| {
+            let value = f32::from_bits(bits);
+            assert_eq!(SRGB.level(value), linear_level(srgb_encode(value)), "{value}");
+        };
+        (0..=2.0_f32.to_bits()).step_by(9973).for_each(same);
+        for end in &SRGB.ends[..255] {
+            (end.to_bits() - 100..end.to_bits() + 100).for_each(same);
+        }
         for level in 0..=255 {
             let encoded = level as f32 / 255.0;
             assert!((srgb_encode(srgb_decode(encoded)) - encoded).abs() < 1e-6, "{level}");
