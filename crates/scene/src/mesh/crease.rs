@@ -54,17 +54,15 @@ pub(crate) fn normals(
     });
     let numbered = joined.as_deref().unwrap_or(triangles);
     let face = |vertices: &[u32; 3]| CreaseFace::of(vertices.map(|v| positions[v as usize]));
+    let faces: Vec<CreaseFace> = numbered.par_iter().map(face).collect();
     let half_sine = libm::sin((degrees - ROUNDING).clamp(0.0, WIDEST).to_radians() / 2.0);
-    let mesh = CreaseMesh {
-        triangles: numbered,
-        faces: numbered.par_iter().map(face).collect(),
-        most: (4.0 * half_sine * half_sine) as f32,
-    };
+    let most = (4.0 * half_sine * half_sine) as f32;
     let size = positions.len().div_ceil(rayon::current_num_threads()).max(1);
     let mut values = vec![Vec3::ZERO; positions.len()];
     let ranges = values.chunks_mut(size).enumerate();
-    let further =
-        parallel::map(ranges, |(range, values)| mesh.smooth((range * size) as u32, values));
+    let further = parallel::map(ranges, |(range, values)| {
+        smooth(numbered, &faces, most, (range * size) as u32, values)
+    });
     let mut indices = joined;
     for Further { normals, corners } in further.into_iter().filter(|f| !f.normals.is_empty()) {
         let (indices, first) =
@@ -77,16 +75,8 @@ pub(crate) fn normals(
     Attribute { values: values.into(), indices: indices.map(Shared::from) }
 }
 
-struct CreaseMesh<'a> {
-    triangles: &'a [[u32; 3]],
-    faces: Vec<CreaseFace>,
-    /// The largest squared distance between normals of faces that meet smoothly: in single precision it shows small
-    /// angles, which a cosine does not.
-    most: f32,
-}
-
 /// The face of a triangle.
-#[derive(Default)]
+#[derive(Clone, Copy, Default)]
 struct CreaseFace {
     /// Of unit length; zero without area.
     normal: Vec3,
@@ -121,70 +111,77 @@ struct Further {
 
 /// A corner at the current vertex.
 #[derive(Clone, Copy)]
-struct Corner<'a> {
+struct Corner {
     /// Its number in the mesh: three times that of its triangle, plus its index there.
     number: u32,
     /// The vertices before and after it.
     ends: [u32; 2],
-    face: &'a CreaseFace,
+    /// Of its face.
+    normal: Vec3,
+    /// Its angle.
+    weight: f32,
     /// An earlier corner of the same group, or itself; in the end the first of the group.
-    group: u32,
+    group: usize,
 }
 
-impl CreaseMesh<'_> {
-    /// Computes the normals around the vertices from `start` on: the first of each, and further ones.
-    fn smooth(&self, start: u32, values: &mut [Vec3]) -> Further {
-        let corners = || (0..).zip(self.triangles.as_flattened());
-        let place = |vertex: &u32| vertex.wrapping_sub(start) as usize;
-        // Where the corners of each vertex begin in their list; once they are there, where they end.
-        let mut bounds = vec![0_u32; values.len() + 1];
-        for (_, vertex) in corners() {
-            if let Some(count) = bounds[1..].get_mut(place(vertex)) {
-                *count += 1;
-            }
+/// Computes the normals around the vertices from `start` on: the first of each, and further ones. `most` is the largest
+/// squared distance between normals of faces that meet smoothly: in single precision it shows small angles, which a cosine
+/// does not.
+fn smooth(
+    triangles: &[[u32; 3]],
+    faces: &[CreaseFace],
+    most: f32,
+    start: u32,
+    values: &mut [Vec3],
+) -> Further {
+    let corners = || (0..).zip(triangles.as_flattened());
+    let place = |vertex: &u32| vertex.wrapping_sub(start) as usize;
+    // Where the corners of each vertex begin in their list; once they are there, where they end.
+    let mut bounds = vec![0_u32; values.len() + 1];
+    for (_, vertex) in corners() {
+        if let Some(count) = bounds[1..].get_mut(place(vertex)) {
+            *count += 1;
         }
-        let mut count = 0;
-        for bound in &mut bounds {
-            count += *bound;
-            *bound = count;
-        }
-        let mut list = vec![0_u32; count as usize];
-        for (number, vertex) in corners() {
-            if let Some(bound) = bounds[..values.len()].get_mut(place(vertex)) {
-                list[*bound as usize] = number;
-                *bound += 1;
-            }
-        }
-        let (mut further, mut corners) = (Further::default(), Vec::new());
-        let mut begin = 0;
-        for (value, end) in values.iter_mut().zip(bounds) {
-            corners.clear();
-            for &number in &list[begin as usize..end as usize] {
-                let (face, k) = (number as usize / 3, number as usize % 3);
-                let (vertices, face) = (&self.triangles[face], &self.faces[face]);
-                if face.normal != Vec3::ZERO {
-                    let ends = [2, 1].map(|turn| vertices[(k + turn) % 3]);
-                    corners.push(Corner { number, ends, face, group: 0 });
-                }
-            }
-            add(&mut corners, self.most, value, &mut further);
-            begin = end;
-        }
-        further
     }
+    let mut count = 0;
+    for bound in &mut bounds {
+        count += *bound;
+        *bound = count;
+    }
+    let mut list = vec![0_u32; count as usize];
+    for (number, vertex) in corners() {
+        if let Some(bound) = bounds[..values.len()].get_mut(place(vertex)) {
+            list[*bound as usize] = number;
+            *bound += 1;
+        }
+    }
+    let (mut further, mut corners) = (Further::default(), Vec::new());
+    let mut begin = 0;
+    for (value, end) in values.iter_mut().zip(bounds) {
+        corners.clear();
+        for &number in &list[begin as usize..end as usize] {
+            let (face, k) = (number as usize / 3, number as usize % 3);
+            let (vertices, CreaseFace { normal, angles }) = (&triangles[face], faces[face]);
+            if normal != Vec3::ZERO {
+                let (ends, weight) = ([2, 1].map(|turn| vertices[(k + turn) % 3]), angles[k]);
+                corners.push(Corner { number, ends, normal, weight, group: 0 });
+            }
+        }
+        add(&mut corners, most, value, &mut further);
+        begin = end;
+    }
+    further
 }
 
 /// Computes the normals of the groups of these corners around a vertex: the first, and `further` ones.
-fn add(corners: &mut [Corner<'_>], most: f32, value: &mut Vec3, further: &mut Further) {
+fn add(corners: &mut [Corner], most: f32, value: &mut Vec3, further: &mut Further) {
     if !is_fan(corners, most) {
         group(corners, most);
     }
     for (i, group) in corners.chunk_by(|one, other| one.group == other.group).enumerate() {
-        let part = |&Corner { number, face, .. }: &Corner<'_>| {
-            (face.normal * face.angles[number as usize % 3]).as_dvec3()
-        };
+        let parts = group.iter().map(|corner| (corner.normal * corner.weight).as_dvec3());
         // Kept in double precision until all are added.
-        let normal = group.iter().map(part).sum::<DVec3>().normalize_or_zero().as_vec3();
+        let normal = parts.sum::<DVec3>().normalize_or_zero().as_vec3();
         if i == 0 {
             *value = normal;
         } else {
@@ -197,7 +194,7 @@ fn add(corners: &mut [Corner<'_>], most: f32, value: &mut Vec3, further: &mut Fu
 
 /// Whether all corners are one group because each shares an edge with the next, which puts them in this order: so it is
 /// at nearly all vertices.
-fn is_fan(corners: &mut [Corner<'_>], most: f32) -> bool {
+fn is_fan(corners: &mut [Corner], most: f32) -> bool {
     let count = corners.len();
     let has_next = |place: usize| {
         let (fan, others) = corners.split_at_mut(place);
@@ -205,44 +202,40 @@ fn is_fan(corners: &mut [Corner<'_>], most: f32) -> bool {
         let next = others.iter().position(|other| other.ends[0] == last.ends[1]);
         next.is_some_and(|next| {
             others.swap(0, next);
-            last.face.normal.distance_squared(others[0].face.normal) <= most
+            last.normal.distance_squared(others[0].normal) <= most
         })
     };
     count <= FEW && (1..count).all(has_next)
 }
 
 /// Puts the corners in the order of their groups.
-fn group(corners: &mut [Corner<'_>], most: f32) {
+fn group(corners: &mut [Corner], most: f32) {
     let mut edges = Vec::with_capacity(2 * corners.len());
-    for (place, corner) in (0..).zip(&mut *corners) {
+    for (place, corner) in corners.iter_mut().enumerate() {
         corner.group = place;
         edges.extend(corner.ends.map(|end| (end, place)));
     }
     edges.sort_unstable();
     for &[(end, one), (other_end, other)] in edges.array_windows() {
-        let normal = |place: u32| corners[place as usize].face.normal;
-        if end == other_end && normal(one).distance_squared(normal(other)) <= most {
+        if end == other_end && corners[one].normal.distance_squared(corners[other].normal) <= most {
             let (one, other) = (first(corners, one), first(corners, other));
-            corners[one.max(other) as usize].group = one.min(other);
+            corners[one.max(other)].group = one.min(other);
         }
     }
     for place in 0..corners.len() {
-        corners[place].group = first(corners, place as u32);
+        corners[place].group = first(corners, place);
     }
     corners.sort_unstable_by_key(|corner| (corner.group, corner.number));
 }
 
 /// The first corner of a group.
-fn first(corners: &mut [Corner<'_>], mut place: u32) -> u32 {
-    loop {
-        let before = corners[place as usize].group;
-        if before == place {
-            return place;
-        }
+fn first(corners: &mut [Corner], mut place: usize) -> usize {
+    while corners[place].group != place {
         // Path halving, for later searches.
-        corners[place as usize].group = corners[before as usize].group;
-        place = corners[place as usize].group;
+        corners[place].group = corners[corners[place].group].group;
+        place = corners[place].group;
     }
+    place
 }
 
 #[cfg(test)]
