@@ -4,7 +4,7 @@
 //! Vertices are numbered in the order of the file.
 
 use std::hash::{BuildHasher as _, RandomState};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -41,19 +41,17 @@ pub fn first_of_each(corners: &[Vec3]) -> Vec<u32> {
     let mut numbers = vec![0; corners.len()];
     // First the place of each: from that of its hash on, the first that is empty or has a corner of its position.
     parallel::each_mut(&mut numbers, |i, place| {
-        let own = bits(corners[i]);
+        let (i, own) = (i as u32, bits(corners[i]));
         let mut at = ((u64::from(hash(seed, own)) * size as u64) >> u32::BITS) as usize;
         loop {
-            let found = match table[at].load(Ordering::Relaxed) {
-                NO_VALUE => table[at]
-                    .compare_exchange(NO_VALUE, i as u32, Ordering::Relaxed, Ordering::Relaxed)
-                    .err(),
-                found => Some(found),
-            };
-            let Some(found) = found else { break };
+            let mut found = table[at].load(Relaxed);
+            if found == NO_VALUE {
+                found =
+                    table[at].compare_exchange(NO_VALUE, i, Relaxed, Relaxed).err().unwrap_or(i);
+            }
             if bits(corners[found as usize]) == own {
-                if (i as u32) < found {
-                    table[at].fetch_min(i as u32, Ordering::Relaxed);
+                if i < found {
+                    table[at].fetch_min(i, Relaxed);
                 }
                 break;
             }
@@ -61,9 +59,7 @@ pub fn first_of_each(corners: &[Vec3]) -> Vec<u32> {
         }
         *place = at as u32;
     });
-    parallel::each_mut(&mut numbers, |_, number| {
-        *number = table[*number as usize].load(Ordering::Relaxed);
-    });
+    parallel::each_mut(&mut numbers, |_, number| *number = table[*number as usize].load(Relaxed));
     numbers
 }
 
