@@ -9,15 +9,16 @@
 //! If most vertices are not shared, as in files that list each triangle separately, vertices at the
 //! same position count as one.
 //!
-//! All threads process ranges of vertices, each with the triangles that use them, so that what a range
-//! holds stays in a core's cache.
+//! Each thread has a range of the vertices, and a list of the corners at each: a pass over all triangles counts them, a
+//! second one fills it.
+
+use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::Attribute;
 use super::join::first_of_each;
-use super::{Attribute, NO_VALUE};
-use crate::corners::direction;
 use wavecrest_base::parallel;
 use wavecrest_base::shared::Shared;
 
@@ -25,8 +26,12 @@ use wavecrest_base::shared::Shared;
 /// twelve sides have 30 degrees up to this error; either all of them are creases or none.
 const ROUNDING: f64 = 1e-3;
 
-/// The most vertices in a range.
-const RANGE: usize = 1 << 13;
+/// Edges of more degrees are always creases: the normals of faces back to back would cancel out. Single precision tells
+/// them from these.
+const WIDEST: f64 = 179.9;
+
+/// The most corners at a vertex that are searched for each other one by one. Nearly all vertices have fewer.
+const FEW: usize = 16;
 
 /// Normals for each corner of `triangles`; edges of `degrees` and more are creases. Vertices at the same position count as
 /// one if most are not shared, or if it `joins` them.
@@ -47,27 +52,17 @@ pub(crate) fn normals(
         });
         joined
     });
-    let mesh = CreaseMesh {
-        positions,
-        triangles: joined.as_deref().unwrap_or(triangles),
-        least: libm::cos((degrees - ROUNDING).max(0.0).to_radians()),
-    };
-    let size = RANGE.min(positions.len().div_ceil(rayon::current_num_threads())).max(1);
-    let parts = mesh.by_range(size);
+    let numbered = joined.as_deref().unwrap_or(triangles);
+    let face = |vertices: &[u32; 3]| CreaseFace::of(vertices.map(|v| positions[v as usize]));
+    let faces: Vec<CreaseFace> = numbered.par_iter().map(face).collect();
+    let half_sine = libm::sin((degrees - ROUNDING).clamp(0.0, WIDEST).to_radians() / 2.0);
+    let most = (4.0 * half_sine * half_sine) as f32;
+    let size = positions.len().div_ceil(rayon::current_num_threads()).max(1);
     let mut values = vec![Vec3::ZERO; positions.len()];
-    let further: Vec<Further> = values
-        .par_chunks_mut(size)
-        .enumerate()
-        .map_init(CreaseMemory::default, |room, (range, values)| {
-            let mut further = Further::default();
-            let triangles = parts.iter().flat_map(|ranges| &ranges[range]);
-            room.look(&mesh, triangles, (range * size) as u32, values.len());
-            for (vertex, value) in values.iter_mut().enumerate() {
-                room.add(vertex, mesh.least, value, &mut further);
-            }
-            further
-        })
-        .collect();
+    let ranges = values.chunks_mut(size).enumerate();
+    let further = parallel::map(ranges, |(range, values)| {
+        smooth(numbered, &faces, most, (range * size) as u32, values)
+    });
     let mut indices = joined;
     for Further { normals, corners } in further.into_iter().filter(|f| !f.normals.is_empty()) {
         let (indices, first) =
@@ -80,80 +75,30 @@ pub(crate) fn normals(
     Attribute { values: values.into(), indices: indices.map(Shared::from) }
 }
 
-struct CreaseMesh<'a> {
-    positions: &'a [Vec3],
-    triangles: &'a [[u32; 3]],
-    /// The smallest cosine between normals of faces that meet smoothly.
-    least: f64,
+/// The face of a triangle.
+#[derive(Clone, Copy, Default)]
+struct CreaseFace {
+    /// Of unit length; zero without area.
+    normal: Vec3,
+    /// The angle at each corner, in radians.
+    angles: [f32; 3],
 }
 
-impl CreaseMesh<'_> {
-    /// For each part of the triangles, the numbers of those with corners in each range of `size` vertices.
-    fn by_range(&self, size: usize) -> Vec<Vec<Vec<u32>>> {
-        let part = self.triangles.len().div_ceil(rayon::current_num_threads()).max(1);
-        let distribute = |(number, triangles): (usize, &[[u32; 3]])| {
-            let mut ranges = vec![Vec::new(); self.positions.len().div_ceil(size)];
-            for (number, vertices) in ((number * part) as u32..).zip(triangles) {
-                let used = vertices.map(|v| v as usize / size);
-                for (i, range) in used.into_iter().enumerate() {
-                    if !used[..i].contains(&range) {
-                        ranges[range].push(number);
-                    }
-                }
-            }
-            ranges
-        };
-        parallel::map(self.triangles.chunks(part).enumerate(), distribute)
-    }
-
-    /// The face of a triangle; `None` without area. In double precision no square of a length underflows:
-    /// differences of single-precision numbers are multiples of the smallest of these.
-    fn face(&self, number: u32) -> Option<CreaseFace> {
-        let vertices = self.triangles[number as usize];
-        let [a, b, c] = vertices.map(|v| self.positions[v as usize].as_dvec3());
-        let edges = [b - a, c - b, a - c];
-        let cross = edges[0].cross(edges[1]);
+impl CreaseFace {
+    /// In double precision no square of a length underflows: differences of single-precision numbers are multiples of the
+    /// smallest of these.
+    fn of(vertices: [Vec3; 3]) -> Self {
+        let [a, b, c] = vertices.map(|v| v.as_dvec3());
+        let [ab, bc, ca] = [b - a, c - b, a - c];
+        let cross = ab.cross(bc);
         let area = cross.length();
         if area == 0.0 {
-            return None;
+            return Self::default();
         }
-        let units = edges.map(|edge| edge * (1.0 / edge.length()));
-        let angle = |next: usize, last: usize| angle(-units[next].dot(units[last]));
-        let angles = [angle(0, 2), angle(1, 0), angle(2, 1)];
-        Some(CreaseFace { number, vertices, normal: cross * (1.0 / area), angles })
+        let angle = |dot: f64| FRAC_PI_2 + libm::atanf((dot / area) as f32);
+        let [at_a, at_b] = [ab.dot(ca), ab.dot(bc)].map(angle);
+        Self { normal: (cross / area).as_vec3(), angles: [at_a, at_b, (PI - at_a - at_b).max(0.0)] }
     }
-}
-
-/// Coefficients of the arc cosine over the square root of 1 - x, in thousandths, from the constant term
-/// on: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 4.4.46.
-const ARC_COSINE: [f64; 8] = [
-    1_570.796_305_0,
-    -214.598_801_6,
-    88.978_987_4,
-    -50.174_304_6,
-    30.891_881_0,
-    -17.088_125_6,
-    6.670_090_1,
-    -1.262_491_1,
-];
-
-/// The angle with this cosine, within 3e-8. Weights need no more: compared with an arc cosine of full
-/// precision, normals change by less than single precision shows.
-fn angle(cosine: f64) -> f64 {
-    let x = cosine.abs();
-    let series = ARC_COSINE.iter().rev().fold(0.0, |sum, c| sum * x + c) / 1000.0;
-    let acute = (1.0 - x).max(0.0).sqrt() * series;
-    if cosine < 0.0 { std::f64::consts::PI - acute } else { acute }
-}
-
-/// A triangle with area.
-struct CreaseFace {
-    number: u32,
-    vertices: [u32; 3],
-    /// Of unit length.
-    normal: DVec3,
-    /// The angle at each corner, in radians.
-    angles: [f64; 3],
 }
 
 /// The normals at creases of a range's vertices, beyond the first of each vertex, and the corners
@@ -169,94 +114,118 @@ struct Further {
 struct Corner {
     /// Its number in the mesh: three times that of its triangle, plus its index there.
     number: u32,
-    /// Unit normal of its triangle.
-    normal: DVec3,
+    /// The vertices before and after it.
+    ends: [u32; 2],
+    /// Of its face.
+    normal: Vec3,
     /// Its angle.
-    weight: f64,
-    /// An earlier corner of the same group here, or itself; then the number of the group.
+    weight: f32,
+    /// An earlier corner of the same group, or itself; in the end the first of the group.
     group: usize,
 }
 
-/// Memory for a range of vertices, and for the corners around one.
-#[derive(Default)]
-struct CreaseMemory {
-    faces: Vec<CreaseFace>,
-    /// For each vertex its first corner, and for each corner the next one at its vertex: three times the
-    /// index of a face, plus its index there; [`NO_VALUE`] for none.
-    firsts: Vec<u32>,
-    nexts: Vec<u32>,
-    corners: Vec<Corner>,
-    /// The vertex at the other end of an edge, and the corner.
-    edges: Vec<(u32, usize)>,
-    /// The sum of the normals of each group.
-    sums: Vec<DVec3>,
+/// Computes the normals around the vertices from `start` on: the first of each, and further ones. `most` is the largest
+/// squared distance between normals of faces that meet smoothly: in single precision it shows small angles, which a cosine
+/// does not.
+fn smooth(
+    triangles: &[[u32; 3]],
+    faces: &[CreaseFace],
+    most: f32,
+    start: u32,
+    values: &mut [Vec3],
+) -> Further {
+    let corners = || (0..).zip(triangles.as_flattened());
+    let place = |vertex: &u32| vertex.wrapping_sub(start) as usize;
+    // Where the corners of each vertex begin in their list; once they are there, where they end.
+    let mut bounds = vec![0_u32; values.len() + 1];
+    for (_, vertex) in corners() {
+        if let Some(count) = bounds[1..].get_mut(place(vertex)) {
+            *count += 1;
+        }
+    }
+    let mut count = 0;
+    for bound in &mut bounds {
+        count += *bound;
+        *bound = count;
+    }
+    let mut list = vec![0_u32; count as usize];
+    for (number, vertex) in corners() {
+        if let Some(bound) = bounds[..values.len()].get_mut(place(vertex)) {
+            list[*bound as usize] = number;
+            *bound += 1;
+        }
+    }
+    let (mut further, mut corners) = (Further::default(), Vec::new());
+    let mut begin = 0;
+    for (value, end) in values.iter_mut().zip(bounds) {
+        corners.clear();
+        for &number in &list[begin as usize..end as usize] {
+            let (face, k) = (number as usize / 3, number as usize % 3);
+            let (vertices, CreaseFace { normal, angles }) = (&triangles[face], faces[face]);
+            if normal != Vec3::ZERO {
+                let (ends, weight) = ([2, 1].map(|turn| vertices[(k + turn) % 3]), angles[k]);
+                corners.push(Corner { number, ends, normal, weight, group: 0 });
+            }
+        }
+        add(&mut corners, most, value, &mut further);
+        begin = end;
+    }
+    further
 }
 
-impl CreaseMemory {
-    /// Finds the faces and corners around `count` vertices from `start` on, which `triangles` use.
-    fn look<'t>(
-        &mut self,
-        mesh: &CreaseMesh<'_>,
-        triangles: impl Iterator<Item = &'t u32>,
-        start: u32,
-        count: usize,
-    ) {
-        let Self { faces, firsts, nexts, .. } = self;
-        faces.clear();
-        faces.extend(triangles.filter_map(|&number| mesh.face(number)));
-        firsts.clear();
-        firsts.resize(count, NO_VALUE);
-        nexts.clear();
-        nexts.resize(3 * faces.len(), NO_VALUE);
-        for (i, face) in faces.iter().enumerate().rev() {
-            for (k, vertex) in face.vertices.into_iter().enumerate() {
-                if let Some(first) = firsts.get_mut(vertex.wrapping_sub(start) as usize) {
-                    nexts[3 * i + k] = std::mem::replace(first, (3 * i + k) as u32);
-                }
-            }
+/// Computes the normals of the groups of these corners around a vertex: the first, and `further` ones.
+fn add(corners: &mut [Corner], most: f32, value: &mut Vec3, further: &mut Further) {
+    if !is_fan(corners, most) {
+        group(corners, most);
+    }
+    for (i, group) in corners.chunk_by(|one, other| one.group == other.group).enumerate() {
+        let parts = group.iter().map(|corner| (corner.normal * corner.weight).as_dvec3());
+        // Kept in double precision until all are added.
+        let normal = parts.sum::<DVec3>().normalize_or_zero().as_vec3();
+        if i == 0 {
+            *value = normal;
+        } else {
+            let number = further.normals.len() as u32;
+            further.corners.extend(group.iter().map(|corner| (corner.number, number)));
+            further.normals.push(normal);
         }
     }
+}
 
-    /// Computes the normals around the `vertex`th of the range: the first, and `further` ones.
-    fn add(&mut self, vertex: usize, least: f64, value: &mut Vec3, further: &mut Further) {
-        let Self { faces, firsts, nexts, corners, edges, sums } = self;
-        corners.clear();
-        edges.clear();
-        sums.clear();
-        let mut corner = firsts[vertex];
-        while corner != NO_VALUE {
-            let (face, k) = (&faces[corner as usize / 3], corner as usize % 3);
-            let (number, group) = (3 * face.number + k as u32, corners.len());
-            edges.extend([1, 2].map(|turn| (face.vertices[(k + turn) % 3], group)));
-            corners.push(Corner { number, normal: face.normal, weight: face.angles[k], group });
-            corner = nexts[corner as usize];
-        }
-        edges.sort_unstable();
-        for &[(end, one), (other_end, other)] in edges.array_windows() {
-            if end == other_end && corners[one].normal.dot(corners[other].normal) >= least {
-                let (one, other) = (first(corners, one), first(corners, other));
-                corners[one.max(other)].group = one.min(other);
-            }
-        }
-        let others = further.normals.len();
-        for place in 0..corners.len() {
-            let Corner { number, normal, weight, group } = corners[place];
-            let part = normal * weight;
-            let group = if group == place { sums.len() } else { corners[group].group };
-            // Kept as sums in double precision until all are added.
-            match sums.get_mut(group) {
-                Some(sum) => *sum += part,
-                None => sums.push(part),
-            }
-            corners[place].group = group;
-            if group > 0 {
-                further.corners.push((number, (others + group - 1) as u32));
-            }
-        }
-        let mut normals = sums.iter().map(|sum| direction(*sum).unwrap_or_default().as_vec3());
-        *value = normals.next().unwrap_or_default();
-        further.normals.extend(normals);
+/// Whether all corners are one group because each shares an edge with the next, which puts them in this order: so it is
+/// at nearly all vertices.
+fn is_fan(corners: &mut [Corner], most: f32) -> bool {
+    let count = corners.len();
+    let has_next = |place: usize| {
+        let (fan, others) = corners.split_at_mut(place);
+        let last = &fan[place - 1];
+        let next = others.iter().position(|other| other.ends[0] == last.ends[1]);
+        next.is_some_and(|next| {
+            others.swap(0, next);
+            last.normal.distance_squared(others[0].normal) <= most
+        })
+    };
+    count <= FEW && (1..count).all(has_next)
+}
+
+/// Puts the corners in the order of their groups.
+fn group(corners: &mut [Corner], most: f32) {
+    let mut edges = Vec::with_capacity(2 * corners.len());
+    for (place, corner) in corners.iter_mut().enumerate() {
+        corner.group = place;
+        edges.extend(corner.ends.map(|end| (end, place)));
     }
+    edges.sort_unstable();
+    for &[(end, one), (other_end, other)] in edges.array_windows() {
+        if end == other_end && corners[one].normal.distance_squared(corners[other].normal) <= most {
+            let (one, other) = (first(corners, one), first(corners, other));
+            corners[one.max(other)].group = one.min(other);
+        }
+    }
+    for place in 0..corners.len() {
+        corners[place].group = first(corners, place);
+    }
+    corners.sort_unstable_by_key(|corner| (corner.group, corner.number));
 }
 
 /// The first corner of a group.
@@ -378,12 +347,27 @@ mod tests {
         assert!(found[2][1].y < 0.0 && found[1][1].y > 0.0);
     }
 
+    /// Faces that share a vertex and no edge, and both sides of a sheet.
+    #[test]
+    fn faces_without_a_smooth_edge_are_groups_of_their_own() {
+        let points = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::new(-1.0, 0.1, 0.0), Vec3::NEG_Z];
+        let found = |other| {
+            let found = found(&points, &[[0, 2, 1], other], 180.0);
+            [found[0][0], found[1][0]]
+        };
+        let [up, other] = found([0, 4, 3]);
+        assert!(up == Vec3::Y && other != up && other.dot(up) > 0.99);
+        assert_eq!(found([0, 1, 2]), [Vec3::Y, Vec3::NEG_Y]);
+    }
+
     /// Weights are angles, and triangles with vertices from everywhere change nothing.
     #[test]
     fn angles_are_close_and_the_order_of_triangles_does_not_matter() {
-        let steps = (-1000..=1000).map(|i| f64::from(i) / 1000.0);
-        let error = steps.map(|x| (angle(x) - libm::acos(x)).abs()).fold(0.0, f64::max);
-        assert!(error < 3e-8, "{error}");
+        for x in (-999..1000).map(|i| f64::from(i) / 1000.0) {
+            let other = DVec3::new(x, (1.0 - x * x).sqrt(), 0.0).as_vec3();
+            let angle = CreaseFace::of([Vec3::ZERO, Vec3::X, other]).angles[0];
+            assert!((f64::from(angle) - libm::acos(x)).abs() < 2e-6, "{x}: {angle}");
+        }
         let count = 40_000_u32;
         let (points, triangles) = prism(count, 1.0, 0.0);
         let in_order = found(&points, &triangles, 30.0);
