@@ -111,7 +111,7 @@ impl Tried {
             let _ = write!(text, "{separator}{invalid} samples are not finite");
         }
         text.push('\n');
-        if errors.t.total() > 0 {
+        if errors.hits > 0 {
             let _ = writeln!(text, "      {}", errors.words());
         }
         let agreement = agreement.as_ref().filter(|outcome| outcome.tried > 0);

@@ -22,7 +22,7 @@
 //! | `.points[].mse`, `.relative_mse`, `.psnr`, `.flip`, `.bias` | | means over seeds; see [`wavecrest_image::compare`] |
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
 //! | `.points[].above_noise` | | whether the error is at least three standard errors of the reference |
-//! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
+//! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, the largest errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
 
 #![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 

@@ -6,7 +6,7 @@ use crate::accuracy::store::ReferenceRecord;
 use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::{figure, plural};
 use crate::plot::{self, Chart, ChartAxis, Draw, Guide, Scale, Series};
-use crate::selftest::errors::{Distribution, HitErrors, ulps};
+use crate::selftest::errors::{HitErrors, ulps};
 
 /// The charts of a family, each with its file name.
 pub(super) fn charts(
@@ -193,8 +193,8 @@ pub(super) fn precision(scene: &SceneAccuracy) -> Vec<Block> {
         let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
         let missing = || Cell::text("no triangles");
         let errors = trial.map(|trial| &*trial.errors);
-        let worst = |of: fn(&HitErrors) -> &Distribution| {
-            errors.map_or_else(missing, |e| Cell::number(of(e).worst, ulps(of(e).worst)))
+        let worst = |of: fn(&HitErrors) -> f64| {
+            errors.map_or_else(missing, |e| Cell::number(of(e), ulps(of(e))))
         };
         let ratio = p.seconds.median / fast;
         vec![
@@ -203,9 +203,9 @@ pub(super) fn precision(scene: &SceneAccuracy) -> Vec<Block> {
             Cell::figure(p.rmse.value),
             trial.map_or_else(missing, |t| share(t.leaks)),
             trial.map_or_else(missing, |t| share(t.self_hits)),
-            worst(|errors| &errors.t),
-            worst(|errors| &errors.point),
-            worst(|errors| &errors.normal),
+            worst(|errors| errors.t),
+            worst(|errors| errors.point),
+            worst(|errors| errors.normal),
         ]
     };
     let caption = "Leaks: rays aimed at an edge that pass between its two triangles. Self-hits: rays that leave a \
