@@ -67,9 +67,6 @@ struct Explanation<'a> {
 struct BvhChoice {
     preset: Preset,
     reason: String,
-    /// The rule by rays per primitive; `None` for a requested preset.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rule: Option<String>,
 }
 
 /// Bytes of a scene after a pilot has done what most of its rays do.
@@ -209,18 +206,12 @@ fn buffers(scene: &PreparedScene) -> Vec<ColumnMemory> {
 
 fn choice(Session { scene, preset, .. }: &Session, requested: Option<Preset>) -> BvhChoice {
     if let Some(preset) = requested {
-        return BvhChoice { preset, reason: "chosen with --bvh".to_owned(), rule: None };
+        return BvhChoice { preset, reason: "chosen with --bvh".to_owned() };
     }
     let (primitives, rays) = (scene.accel.geometry().held() as u64, scene.expected_rays());
-    let some = match primitives {
-        1 => "1 primitive".to_owned(),
-        n => format!("{} primitives", grouped(n)),
-    };
-    BvhChoice {
-        preset: *preset,
-        reason: format!("{some}, up to {} rays", grouped(rays)),
-        rule: Some(Preset::reason(primitives, rays)),
-    }
+    let plural = if primitives == 1 { "" } else { "s" };
+    let reason = format!("{} primitive{plural}, up to {} rays", grouped(primitives), grouped(rays));
+    BvhChoice { preset: *preset, reason }
 }
 
 /// The width of the column of names.
@@ -251,9 +242,6 @@ fn text(e: &Explanation<'_>) -> String {
     }
     text += "BVH\n";
     text += &named(e.bvh.preset.name(), &e.bvh.reason);
-    if let Some(rule) = &e.bvh.rule {
-        text += &named("", rule);
-    }
     if let Some([built, all]) = e.chunks.map(|chunks| chunks.map(|n| grouped(n as u64))) {
         text += &named("", &format!("{built} of {all} chunks built"));
     }

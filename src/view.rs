@@ -20,10 +20,9 @@ mod talk;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::common::{SPEED, SearchOptions, choice, command_words, print, tell, whole};
 use super::input::SceneOptions;
@@ -44,6 +43,8 @@ const BATCH: u32 = 1 << 14;
 
 /// How long pages have to show why the command ends.
 const FAREWELL: Duration = Duration::from_millis(200);
+/// How long the address that the browser is given leads to the page: longer than a browser takes to start.
+const OPENING: Duration = Duration::from_secs(60);
 
 /// Look at a scene, a glTF file or a mesh in a browser: find the camera, and see what accuracy costs.
 ///
@@ -112,7 +113,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
         turn: Arc::default(),
         token: token()?,
         once: token()?,
-        opened: AtomicBool::new(false),
+        leads: Mutex::new(Some(Instant::now() + OPENING)),
         address,
     });
     let tunnel = site.address.tunnel();

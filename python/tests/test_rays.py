@@ -380,7 +380,7 @@ class Rays(unittest.TestCase):
         expected = wavecrest.Mesh(CORNERS, CUBE).closest([[0.5, 0.25, 9]], [[0, 0, -1]])
         padded = np.insert(np.array(CUBE), 0, 3, axis=1).ravel()
         for mesh in (SimpleNamespace(points=CORNERS, faces=padded), SimpleNamespace(points=CORNERS, faces=CUBE),
-                     SimpleNamespace(points=CORNERS, regular_faces=CUBE), SimpleNamespace(vertices=CORNERS, triangles=CUBE)):
+                     SimpleNamespace(vertices=CORNERS, triangles=CUBE)):
             self.assertEqual(wavecrest.Mesh(mesh).closest([[0.5, 0.25, 9]], [[0, 0, -1]]), expected)
         for faces, found in (([4, 0, 1, 2, 3], "4"), ([3, 0, 1, 2, 3], "a part of one"), ([3, 0, 1, 2, 4, 0, 1, 2], "4")):
             with self.assertRaisesRegex(wavecrest.Error, rf"must be triangles, .*, found {found}; pass mesh.triangulate"):

@@ -158,7 +158,7 @@ class Wavecrest(unittest.TestCase):
         both = np.concatenate([Part(0).vertices, Part(3).vertices]), FACES + [[i + 5 for i in face] for face in FACES]
         expected = wavecrest.render(*both, width=64, height=48)
         np.testing.assert_array_equal(wavecrest.render([Part(0), Part(3)], width=64, height=48), expected)
-        with self.assertRaisesRegex(TypeError, "scene: must be .* a list of meshes"):
+        with self.assertRaisesRegex(TypeError, r"scene\[1\]: must be a mesh of .*, as those before it, found 7"):
             wavecrest.render([Part(0), 7])
         Part.faces = [[0, 1, 5]]
         self.assert_refused("scene[0]: faces[0]: must be indices", [Part(0)])

@@ -105,7 +105,7 @@ def parts(mesh, faces):
     do; for anything else, faces are None."""
     if faces is not None:
         return mesh, faces
-    for points, numbers in (("vertices", "faces"), ("vertices", "triangles"), ("points", "faces"), ("points", "regular_faces")):
+    for points, numbers in (("vertices", "faces"), ("vertices", "triangles"), ("points", "faces")):
         if hasattr(mesh, points) and hasattr(mesh, numbers):
             vertices, faces = getattr(mesh, points), getattr(mesh, numbers)
             return vertices, faces if points == "vertices" else _unpadded(faces)
@@ -125,13 +125,15 @@ def _unpadded(faces):
 
 
 def joined(meshes):
-    """The vertices and faces of all meshes of a list; for anything else, faces are None."""
+    """The vertices and faces of all meshes of a list; of a list that begins with anything else, faces are None."""
     made = []
     for number, one in enumerate(meshes):
         try:
             vertices, faces = parts(one, None)
-            if faces is None:
+            if faces is None and not made:
                 return meshes, None
+            if faces is None:
+                raise TypeError(wrong(f"scene[{number}]", f"{A_MESH}, as those before it", one))
             made.append(mesh(vertices, faces))
         except _native.Error as why:
             raise _native.Error(f"scene[{number}]: {why}") from None

@@ -9,14 +9,8 @@ from . import _native
 # Room for a fenv_t: C libraries take 8 to 32 bytes.
 FENV_BYTES = 64
 
-# What the command, other renderers and other packages call an argument.
-OTHER_NAMES = {
-    "at": "target", "focal_point": "target", "look": "target", "look_at": "target", "lookat": "target",
-    "camera_position": "eye", "from_": "eye", "location": "eye", "origin": "eye", "position": "eye",
-    "aa": "samples", "antialias": "samples", "sample": "samples", "spp": "samples", "bg": "background",
-    "cores": "threads", "jobs": "threads", "num_threads": "threads", "size": "width and height",
-    "resolution": "width and height", "aov": "layers",
-}
+# What the command calls an argument, and two names of other renderers.
+OTHER_NAMES = {"at": "target", "from_": "eye", "size": "width and height", "aov": "layers", "spp": "samples", "look_at": "target"}
 
 
 def _environment():

@@ -15,6 +15,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
+use wavecrest_image::write::check_size;
 use wavecrest_report::statistics::Time;
 
 /// A scene that is ready to be traced, and what the finished images of the command took.
@@ -89,6 +90,7 @@ impl<'a> Renderer<'a> {
             preset,
             time,
         };
+        files.iter().try_for_each(|output| check_size(output, renderer.size()))?;
         args.frame.map_or(Ok(()), |frame| renderer.place(frame))?;
         // Until here there was nothing to lose: a signal ended the process.
         interrupt::record();

@@ -66,8 +66,7 @@ impl Examined {
     /// The shapes in words.
     fn described(&self) -> String {
         let PrimitiveCounts { triangles, quads, spheres, disks } = self.shape.shapes;
-        let GeometryFacts { instanced, dropped, slivers, longest, borders, crowded, .. } =
-            self.shape;
+        let GeometryFacts { instanced, dropped, .. } = self.shape;
         let counts = [
             (triangles, "triangles"),
             (quads, "quads"),
@@ -83,11 +82,7 @@ impl Examined {
         }
         text.push('\n');
         if triangles + quads > 0 {
-            let _ = writeln!(
-                text,
-                "  {dropped} degenerate triangles left out; {slivers} slivers, aspect ratios up to {longest:.0};\n  \
-                 {borders} boundary edges, {crowded} edges of more than two triangles"
-            );
+            let _ = writeln!(text, "  {dropped} degenerate triangles left out");
         }
         text
     }
@@ -111,7 +106,7 @@ impl Tried {
             let _ = write!(text, "{separator}{invalid} samples are not finite");
         }
         text.push('\n');
-        if errors.t.total() > 0 {
+        if errors.hits > 0 {
             let _ = writeln!(text, "      {}", errors.words());
         }
         let agreement = agreement.as_ref().filter(|outcome| outcome.tried > 0);

@@ -3,19 +3,19 @@
 //! The path of every resource starts with a random token; without it nothing is found. Who asks must
 //! name this machine ([`address`](super::address)), and the `Origin` of a WebSocket must be the page.
 //! Nothing in a request names a file. One thread serves all connections: each that has not asked for anything soon is
-//! closed, as are the oldest when there are too many. A page beyond the most gets a reason and is closed.
+//! closed, as are the oldest of a kind when there are too many. A page beyond the most gets a reason and is closed.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::net::IpAddr;
 use std::pin::pin;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use futures_util::TryFutureExt as _;
+use futures_util::{FutureExt as _, TryFutureExt as _};
 use http_body_util::Full;
 use hyper::body::{Body as _, Bytes, Incoming};
 use hyper::header::{self, HeaderMap};
@@ -33,7 +33,7 @@ use super::take_away::TakeAway;
 use super::talk::{refuse, talk};
 use wavecrest_base::lock;
 
-/// The most connections that have not become those of a page, and the most pages.
+/// The most connections of strangers, and of those that knew the address but are no page; and the most pages.
 const MOST_CONNECTIONS: usize = 128;
 const MOST_PAGES: usize = 16;
 /// How long a connection may take to ask, and to take an answer: then as long as it takes at this many bytes a second.
@@ -55,8 +55,8 @@ pub(super) struct Site {
     pub(super) token: String,
     /// That of an address which leads to the page once: others see it among the arguments of the browser.
     pub(super) once: String,
-    /// Whether it has led there.
-    pub(super) opened: AtomicBool,
+    /// Until when it leads there; nothing once it has.
+    pub(super) leads: Mutex<Option<Instant>>,
     /// Where it is served.
     pub(super) address: Address,
 }
@@ -93,8 +93,8 @@ impl Site {
             return Err(StatusCode::METHOD_NOT_ALLOWED);
         }
         if is_once {
-            let is_first = !self.opened.swap(true, Ordering::Relaxed);
-            return if is_first { Ok(ONCE) } else { Err(StatusCode::NOT_FOUND) };
+            let leads = lock(&self.leads).take().is_some_and(|until| Instant::now() < until);
+            return if leads { Ok(ONCE) } else { Err(StatusCode::NOT_FOUND) };
         }
         // A page of another site could open a WebSocket, but cannot hide where it is from.
         if resource == SOCKET && origin.is_none() {
@@ -122,10 +122,28 @@ struct Bounded {
 }
 
 impl Bounded {
+    fn new(most: usize) -> Self {
+        Self { tasks: Mutex::default(), most }
+    }
+
     fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
+        self.push(tokio::spawn(task).abort_handle());
+    }
+
+    /// Takes the task that runs now from others.
+    fn take_from(&self, others: &Self) {
+        let now = tokio::task::id();
+        let mut tasks = lock(&others.tasks);
+        let found = tasks.iter().position(|task| task.id() == now);
+        if let Some(task) = found.and_then(|at| tasks.remove(at)) {
+            self.push(task);
+        }
+    }
+
+    fn push(&self, task: AbortHandle) {
         let mut tasks = lock(&self.tasks);
         tasks.retain(|task| !task.is_finished());
-        tasks.push_back(tokio::spawn(task).abort_handle());
+        tasks.push_back(task);
         let surplus = tasks.len().saturating_sub(self.most);
         tasks.drain(..surplus).for_each(|task| task.abort());
     }
@@ -142,6 +160,14 @@ impl Bounded {
     }
 }
 
+/// What is connected: those that have asked for nothing here yet, those that knew the address, and pages. So strangers
+/// end nobody's download.
+struct Connections {
+    strangers: Bounded,
+    known: Bounded,
+    pages: Bounded,
+}
+
 /// Serves `site` on connections of `listener`, until the process ends.
 ///
 /// # Errors
@@ -154,8 +180,11 @@ pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::i
     listener.set_nonblocking(true)?;
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        let connections = Bounded { tasks: Mutex::default(), most: MOST_CONNECTIONS };
-        let pages = Arc::new(Bounded { tasks: Mutex::default(), most: MOST_PAGES });
+        let connections = Arc::new(Connections {
+            strangers: Bounded::new(MOST_CONNECTIONS),
+            known: Bounded::new(MOST_CONNECTIONS),
+            pages: Bounded::new(MOST_PAGES),
+        });
         let exchange = Arc::clone(&site.exchange);
         tokio::spawn(async move {
             let mut next = interval(SHOWING);
@@ -168,11 +197,12 @@ pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::i
             match listener.accept().await {
                 Ok((stream, _)) => {
                     let _ = stream.set_nodelay(true);
-                    connections.spawn(connection(stream, Arc::clone(site), Arc::clone(&pages)));
+                    let served = connection(stream, Arc::clone(site), Arc::clone(&connections));
+                    connections.strangers.spawn(served);
                 }
                 // Too many files are open, perhaps.
                 Err(_) => {
-                    connections.end_oldest();
+                    connections.strangers.end_oldest();
                     tokio::time::sleep(Duration::from_millis(20)).await;
                 }
             }
@@ -181,12 +211,12 @@ pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::i
 }
 
 /// Answers the one request of a connection.
-async fn connection(stream: tokio::net::TcpStream, site: Arc<Site>, pages: Arc<Bounded>) {
+async fn connection(stream: tokio::net::TcpStream, site: Arc<Site>, all: Arc<Connections>) {
     let Ok(here) = stream.local_addr() else { return };
     let here = here.ip().to_canonical();
     let length = AtomicU64::new(0);
     let service = service_fn(|request| {
-        let answered = answer(request, here, Arc::clone(&site), Arc::clone(&pages));
+        let answered = answer(request, here, Arc::clone(&site), Arc::clone(&all));
         answered.inspect_ok(|answer| {
             length.store(answer.body().size_hint().lower(), Ordering::Relaxed);
         })
@@ -209,32 +239,35 @@ async fn answer(
     mut request: Request<Incoming>,
     here: IpAddr,
     site: Arc<Site>,
-    pages: Arc<Bounded>,
+    all: Arc<Connections>,
 ) -> Result<Response<Full<Bytes>>, Infallible> {
     let resource = site.resource(&request, here).map(str::to_owned);
+    if resource.is_ok() {
+        all.known.take_from(&all.strangers);
+    }
     Ok(match resource.as_deref() {
         Ok("") => content("text/html; charset=utf-8", page::HTML.as_str()),
         Ok(ONCE) => {
             // Relative, as a server before this one may have put the page below a path.
             let page = format!("../{}/", site.token);
-            let moved =
-                Response::builder().status(StatusCode::SEE_OTHER).header(header::LOCATION, page);
-            moved.body(Full::default()).unwrap_or_else(|_| refused(StatusCode::NOT_FOUND))
+            let mut moved = content("text/plain; charset=utf-8", Bytes::new());
+            *moved.status_mut() = StatusCode::SEE_OTHER;
+            moved.headers_mut().extend(page.try_into().ok().map(|page| (header::LOCATION, page)));
+            moved
         }
         Ok(SOCKET) => {
             let Some(accepted) = accepted(request.headers()) else {
                 return Ok(refused(StatusCode::UPGRADE_REQUIRED));
             };
             let upgrade = hyper::upgrade::on(&mut request);
-            if pages.is_full() {
-                tokio::spawn(timeout(ASKING, async move {
-                    if let Ok(upgraded) = upgrade.await {
-                        refuse(TokioIo::new(upgraded)).await;
-                    }
-                }));
+            if all.pages.is_full() {
+                all.known.spawn(async move {
+                    let refused = upgrade.and_then(|page| refuse(TokioIo::new(page)).map(Ok));
+                    let _ = timeout(ASKING, refused).await;
+                });
                 return Ok(accepted);
             }
-            pages.spawn(async move {
+            all.pages.spawn(async move {
                 if let Ok(upgraded) = upgrade.await {
                     talk(TokioIo::new(upgraded), &site.exchange).await;
                 }

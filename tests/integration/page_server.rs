@@ -85,11 +85,19 @@ fn silent_and_endless_connections_keep_nobody_waiting() {
     let shown = Shown::begin();
     let mut socket = shown.socket();
     socket.next("state");
+    let scene = shown.filled("GET /TOKEN/scene.json HTTP/1.1\r\nHost: HOST\r\n\r\n");
+    let mut downloads: Vec<TcpStream> = (0..9).map(|_| shown.connect()).collect();
+    downloads.iter_mut().for_each(|saved| saved.write_all(scene.as_bytes()).expect("a connection"));
     let silent: Vec<TcpStream> = (0..300).map(|_| shown.connect()).collect();
     let begun = Instant::now();
     assert!(shown.page().starts_with("HTTP/1.1 200 "));
     assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
     assert!(socket.probe([0.5, 0.5]).is_string());
+    for saved in &mut downloads {
+        let mut status = [0; 13];
+        saved.read_exact(&mut status).expect("strangers end no download");
+        assert_eq!(text(&status), "HTTP/1.1 200 ");
+    }
     drop(silent);
 
     let mut endless = shown.connect();
@@ -274,5 +282,6 @@ fn the_address_among_the_arguments_of_the_browser_leads_to_the_page_once() {
     let first = ask();
     let page = format!("location: ../{}/\r\n", shown.token);
     assert!(first.starts_with("HTTP/1.1 303 ") && first.contains(&page), "{first}");
+    assert!(first.contains("cache-control: no-store") && first.contains("no-referrer"), "{first}");
     assert!(ask().starts_with("HTTP/1.1 404 "));
 }

@@ -81,6 +81,21 @@ impl Format {
     }
 }
 
+/// Checks that an image of so many pixels can be written at `path`: the sides of a JPEG have 16 bits.
+///
+/// # Errors
+/// If it cannot.
+pub fn check_size(path: &Path, [width, height]: [u32; 2]) -> Result<()> {
+    let is_jpeg = Format::from_path(path).is_ok_and(|format| format == Format::Jpg);
+    if is_jpeg && width.max(height) > u16::MAX.into() {
+        let message = format!("a side of a JPEG has at most {} pixels", u16::MAX);
+        let error = Error::new(ErrorKind::Limit, message).in_file(path);
+        let error = error.value(format!("{width} x {height}"));
+        return Err(error.remedy("use .png, or a smaller --size"));
+    }
+    Ok(())
+}
+
 /// Writes `film` at `path` in the format of the extension. An existing file stays unchanged until
 /// the new one is complete.
 ///

@@ -1,6 +1,6 @@
 //! Charts as data, written as SVG and CSV.
 //!
-//! A [`Chart`] shows series over two axes, as lines, points or bars. It contains no drawing
+//! A [`Chart`] shows series over two axes, as lines or points. It contains no drawing
 //! instructions. Text widths come from a built-in font: nothing depends on the system, and the
 //! bytes are the same on every machine.
 //!
@@ -13,8 +13,6 @@ mod font;
 mod marks;
 pub mod number;
 pub(crate) mod svg;
-
-use number::{figure, time_unit};
 
 /// Series of points over two axes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -77,8 +75,6 @@ pub enum Draw {
     Points,
     /// Markers with whiskers, joined by a line.
     Line,
-    /// Segments of bars, over an axis of names: the interval of a point is its segment.
-    Bars,
 }
 
 /// One measurement with its interval.
@@ -103,46 +99,6 @@ pub struct Guide {
     pub name: String,
     /// Its ends as `[x, y]`; an infinite coordinate is that end of the axis.
     pub ends: [[f64; 2]; 2],
-}
-
-impl Chart {
-    /// Bars of stages, one above the other: the name and the seconds of each stage. A stage has its
-    /// colour in every bar.
-    pub fn bars(title: &str, caption: &str, bars: &[(String, Vec<(String, f64)>)]) -> Self {
-        let sum = |stages: &[(String, f64)]| stages.iter().map(|(_, seconds)| seconds).sum::<f64>();
-        let (scale, unit) =
-            time_unit(bars.iter().map(|(_, stages)| sum(stages)).fold(0.0, f64::max));
-        let mut series: Vec<Series> = Vec::new();
-        for (row, (_, stages)) in bars.iter().enumerate() {
-            let mut end = 0.0;
-            for (stage, seconds) in stages {
-                // A bar of no length has no parts.
-                let all = sum(stages).max(f64::MIN_POSITIVE);
-                let (low, share) = (end, (1000.0 * seconds / all).round() / 10.0);
-                end += scale * seconds;
-                let label = format!("{}% of the bar", figure(share));
-                let (x, y) = (row as f64, scale * seconds);
-                let point = Point { x, y, low, high: end, label };
-                match series.iter_mut().find(|series| series.name == *stage) {
-                    Some(series) => series.points.push(point),
-                    None => series.push(Series {
-                        name: stage.clone(),
-                        draw: Draw::Bars,
-                        points: vec![point],
-                    }),
-                }
-            }
-        }
-        let names = bars.iter().map(|(name, _)| name.clone()).collect();
-        Self {
-            title: title.to_owned(),
-            x: ChartAxis::new("bar", "", Scale::Names(names)),
-            y: ChartAxis::new("time", unit, Scale::Linear),
-            series,
-            guides: Vec::new(),
-            caption: caption.to_owned(),
-        }
-    }
 }
 
 impl ChartAxis {

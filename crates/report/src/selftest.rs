@@ -13,7 +13,7 @@ mod aim;
 mod boxes;
 mod case;
 mod edges;
-pub mod errors;
+mod errors;
 pub mod examine;
 mod flat;
 mod instances;

@@ -1,10 +1,9 @@
 //! The blocks of a page as text, for a terminal: the same sentences and tables. Charts and pictures
-//! are left out; bars become a table.
+//! are left out.
 
 use std::fmt::Write as _;
 
 use crate::page::{Block, Cell, Table};
-use crate::plot::{Chart, Scale};
 
 /// Largest length of a line of running text.
 const LINE: usize = 100;
@@ -37,7 +36,6 @@ fn add(text: &mut String, block: &Block) {
             }
         }
         Block::Table(found) => table(text, found),
-        Block::Chart(chart) if chart.has_bars() => table(text, &table_of(chart)),
         Block::Details(details) => details.blocks.iter().for_each(|block| add(text, block)),
         Block::Code(code) => text.push_str(code),
         Block::Chart(_) | Block::Pictures(_) => {}
@@ -91,22 +89,6 @@ fn table(text: &mut String, table: &Table) {
         }
         let _ = writeln!(text, "{}", line.trim_end());
     }
-}
-
-/// A row for each bar, a column for each stage.
-fn table_of(chart: &Chart) -> Table {
-    let stages = chart.series.iter().map(|stage| format!("|>{}", stage.name));
-    let header = chart.y.unit.clone() + &stages.collect::<String>();
-    let names: &[String] = if let Scale::Names(names) = &chart.x.scale { names } else { &[] };
-    let row = |(row, name): (usize, &String)| {
-        let cells = chart.series.iter().map(|stage| {
-            let found = stage.points.iter().find(|point| point.x as usize == row);
-            found.map_or_else(Cell::default, |found| Cell::decimals(found.y, 3))
-        });
-        std::iter::once(Cell::text(name)).chain(cells).collect()
-    };
-    let caption = format!("{}. {}", chart.title, chart.caption);
-    Table::new(caption, &header, names.iter().enumerate().map(row).collect())
 }
 
 #[cfg(test)]

@@ -47,7 +47,6 @@ mod geometry;
 mod lights;
 pub mod looks;
 mod materials;
-pub mod overrides;
 mod placement;
 mod reach;
 mod shows;

@@ -105,9 +105,7 @@ fn bench_compares_kernels_levels_batches_and_threads() {
     };
     assert_eq!(column(&comparisons[3], "threads"), [1, 1, 2, 2]);
     assert_eq!(column(&comparisons[5], "label"), ["recursive", "16", "1024", "65536"]);
-    for name in
-        ["ball-wavefront-by-batch-size.svg", "ball-both-tracers-by-threads-time-by-pass.csv"]
-    {
+    for name in ["ball-wavefront-by-batch-size.svg", "ball-both-tracers-by-threads.csv"] {
         assert!(folder.path().join("charts").join(name).is_file(), "{name}");
     }
     let output = run(folder.path(), &[&what[..], &options].concat());

@@ -62,16 +62,16 @@ fn colours_of_an_exr_file_are_found_by_their_names() {
 }
 
 #[test]
-fn an_exr_file_without_colours_or_with_many_is_told_what_it_has() {
+fn an_exr_file_without_colours_or_with_many_is_refused() {
     assert_eq!(
         told(read_parts(&[&[("Z", 1.0), ("N.X", 1.0), ("N.Y", 1.0)], &[("id", 1.0)]])),
-        "a.exr: cannot read the image: it has no channels of colour, but N.X, N.Y, Z, id; save it \
-         with the channels R, G and B, or Y"
+        "a.exr: cannot read the image: it has no channels of colour; save it with the channels \
+         R, G and B, or Y"
     );
     assert_eq!(
         told(read_parts(&[&[("a.Y", 1.0), ("b.Y", 1.0)]])),
-        "a.exr: cannot read the image: it has several layers of colours: a, b; save the one that \
-         you want: oiiotool IN --ch \"a.Y\" -o OUT"
+        "a.exr: cannot read the image: it has several layers of colours, such as a and b; save \
+         the one that you want as R, G and B"
     );
 }
 
@@ -89,8 +89,8 @@ fn a_compression_that_cannot_be_read_is_told_with_the_command_that_changes_it() 
     });
     assert_eq!(
         told(made),
-        "a.exr: cannot read the image: dwaa compression cannot be read; convert it: oiiotool IN \
-         --compression zip -o OUT"
+        "a.exr: cannot read the image: dwaa compression cannot be read; save it with a value for \
+         each pixel: oiiotool IN --compression zip -o OUT"
     );
 }
 

@@ -218,13 +218,13 @@ fn section<'a>(page: &'a Page, title: &str) -> &'a Section {
     found.unwrap_or_else(|| panic!("no section {title}"))
 }
 
-/// The charts of a section, those with bars or those without.
-fn charts(section: &Section, bars: bool) -> Vec<&Chart> {
+/// The charts of a section.
+fn charts(section: &Section) -> Vec<&Chart> {
     let charts = section.blocks.iter().filter_map(|block| match block {
         Block::Chart(found) => Some(found),
         _ => None,
     });
-    charts.filter(|chart| chart.has_bars() == bars).collect()
+    charts.collect()
 }
 
 #[test]
@@ -236,20 +236,21 @@ fn the_page_has_the_figures_of_the_report() {
     let [_, wavefront] = report.scenes[0].tracers().unwrap();
     let page = page(&report);
     assert!(page.lead.ends_with("All images are bit-identical."), "{}", page.lead);
-    let speed = charts(section(&page, "Speed"), false)[0];
+    let speed = charts(section(&page, "Speed"))[0];
     let (point, interval) = (&speed.series[0].points[0], wavefront.ratio.interval);
     assert_eq!([point.y, point.low, point.high], [interval.median, interval.low, interval.high]);
     let own = section(&page, "`ball.json`");
-    let [ladder, sizes] = charts(own, false)[..] else { panic!("two charts") };
+    let [ladder, sizes] = charts(own)[..] else { panic!("two charts") };
     let ratios: Vec<f64> = ladder.series[0].points.iter().map(|point| point.y).collect();
     assert!(ratios.is_sorted() && ratios.last() == Some(&interval.median), "{ratios:?}");
     let places: Vec<[f64; 2]> = sizes.series[0].points.iter().map(|p| [p.x, p.y]).collect();
     assert_eq!(places, [[16.0, 0.5], [64.0, 1.0], [256.0, 2.0], [1024.0, 2.0], [4096.0, 2.0]]);
-    let passes = charts(own, true)[0];
-    let stages: Vec<_> = passes.series.iter().map(|s| s.name.as_str()).collect();
+    let table = |block: &&Block| matches!(block, Block::Table(table) if table.caption.starts_with("Time by pass"));
+    let Some(Block::Table(passes)) = own.blocks.iter().find(table) else { panic!("no passes") };
+    let names: Vec<_> = passes.columns[1..].iter().map(|column| column.name.as_str()).collect();
     let plain = TimedPass::ALL.map(TimedPass::name).into_iter();
     let plain = plain.filter(|pass| !["maps", "decode"].contains(pass));
-    assert_eq!(stages, plain.collect::<Vec<_>>(), "no stage without time");
+    assert_eq!(names, plain.collect::<Vec<_>>(), "no pass without time");
     let html = page.html();
     for words in [
         "<td class=\"right\" data-value=\"125\">125.000</td>",
@@ -288,9 +289,9 @@ fn the_page_tells_of_several_scenes_and_of_those_that_differ() {
     let found = page(&report_of(scenes.clone()));
     assert!(found.lead.starts_with("In 2 scenes, the wavefront is 0."), "{}", found.lead);
     assert!(found.lead.ends_with("Images differ in 1 scene."), "{}", found.lead);
-    assert_eq!(charts(section(&found, "Speed"), false)[0].series[0].points.len(), 2);
+    assert_eq!(charts(section(&found, "Speed"))[0].series[0].points.len(), 2);
     let wrong = section(&found, "`b.json`");
-    assert!(charts(wrong, false).is_empty() && charts(wrong, true).is_empty());
+    assert!(charts(wrong).is_empty());
     assert!(found.html().contains("THE IMAGES DIFFER"));
     let shown = text(&overview(&scenes));
     assert!(shown.contains("slow.json") && !shown.contains("b.json"), "{shown}");

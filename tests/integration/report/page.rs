@@ -23,13 +23,11 @@ fn chart(words: &str) -> Chart {
 /// A page with every block, all of whose text is `words`.
 fn page(words: &'static str) -> Page {
     let text = || words.to_owned();
-    let bars = [(text(), vec![(text(), 1.0)])];
     let blocks = vec![
         Block::Heading(text()),
         Block::Paragraph(text()),
         Block::Warning(text()),
         Block::Chart(chart(words)),
-        Block::Chart(Chart::bars(words, words, &bars)),
         Block::Table(Table {
             caption: text(),
             columns: [false, true].map(|is_number| Column { name: text(), is_number }).into(),

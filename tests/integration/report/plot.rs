@@ -24,15 +24,6 @@ fn chart() -> Chart {
     }
 }
 
-fn bars() -> Chart {
-    let stage = |stage: &str, seconds: f64| (stage.to_owned(), seconds);
-    let bars = [
-        ("a".to_owned(), vec![stage("load", 0.5), stage("trace", 1.5)]),
-        ("b".to_owned(), vec![stage("trace", 0.25)]),
-    ];
-    Chart::bars("Time by stage", "", &bars)
-}
-
 /// The values of an attribute, in the order of the text.
 fn attributes<'a>(text: &'a str, name: &str) -> Vec<&'a str> {
     let start = format!(" {name}=\"");
@@ -72,29 +63,6 @@ fn csv_and_svg_have_the_same_figures() {
         }
         assert!(title.starts_with(row[0]) && title.contains(&format!("run &lt;{}&gt;", index % 6)));
     }
-}
-
-#[test]
-fn bars_tell_each_segment() {
-    let bars = bars();
-    let svg = bars.svg();
-    let csv = "series,bar,time (s),low,high,label\r\nload,a,0.5,0,0.5,25% of the bar\r\n\
-               trace,a,1.5,0.5,2,75% of the bar\r\ntrace,b,0.25,0,0.25,100% of the bar\r\n";
-    assert_eq!(bars.csv(), csv);
-    assert_eq!(attributes(&svg, "data-y"), ["0.5", "1.5", "0.25"]);
-    let expected = [
-        "load\n25% of the bar\na\ntime: 0.5\u{202f}s",
-        "trace\n75% of the bar\na\ntime: 1.5\u{202f}s",
-        "trace\n100% of the bar\nb\ntime: 0.25\u{202f}s",
-    ];
-    assert_eq!(titles(&svg), expected);
-    for sum in [">2\u{202f}s</text>", ">0.25\u{202f}s</text>"] {
-        assert!(svg.contains(sum), "{sum}");
-    }
-    // A stage has its colour in every bar.
-    let colours: Vec<_> = svg.split("<g class=\"mark\"").skip(1).collect();
-    assert!(colours[0].contains("class=\"f-s0\""));
-    assert!(colours[1].contains("class=\"f-s1\"") && colours[2].contains("class=\"f-s1\""));
 }
 
 #[test]

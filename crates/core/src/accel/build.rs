@@ -103,21 +103,6 @@ impl Preset {
         if self == Self::OnDemand { Self::Fastest } else { self }
     }
 
-    /// The reason for the choice of [`Self::choose`].
-    pub fn reason(primitives: u64, rays: u64) -> String {
-        let why = match Self::choose(primitives, rays) {
-            Self::OnDemand => format!("the whole BVH pays off from {FASTEST_FROM}"),
-            Self::Fastest => format!("a better BVH pays off from {VERY_FAST_FROM}"),
-            Self::VeryFast => format!("a better BVH pays off from {FAST_FROM}"),
-            _ => format!("a good BVH pays off from {FAST_FROM}"),
-        };
-        match rays / primitives.max(1) {
-            0 => format!("less than 1 ray per primitive: {why}"),
-            1 => format!("1 ray per primitive: {why}"),
-            n => format!("{n} rays per primitive: {why}"),
-        }
-    }
-
     /// The rounds of reinsertion: the share of nodes in each, relative to the first. `None` stands
     /// for obvhs's own sixteen. With these six a build took a twentieth less time, for as good a
     /// tree.

@@ -45,18 +45,14 @@ fn pixels_beyond_a_tolerance_are_counted_once_each() {
 }
 
 #[test]
-fn json_has_null_for_infinity() {
+fn json_has_null_for_infinity_and_for_an_undefined_bias() {
     let a = film(&[[0.0; 3]; 2]);
     let text = serde_json::to_string(&compare(&a, &a).unwrap()).unwrap();
     assert_eq!(
         text,
         r#"{"width":2,"height":1,"mse":0.0,"rmse":0.0,"psnr":null,"relative_mse":0.0,"bias":0.0,"channel_bias":[0.0,0.0,0.0],"largest":0.0,"largest_at":null,"largest_channel":null,"different_pixels":0,"nonfinite":0,"equal":true}"#
     );
-}
-
-#[test]
-fn json_has_null_for_an_undefined_bias() {
-    let (a, b) = (film(&[[0.0; 3]; 2]), film(&[[0.0, f32::NAN, 0.0], [0.0; 3]]));
+    let b = film(&[[0.0, f32::NAN, 0.0]; 2]);
     let json = serde_json::to_value(compare(&a, &b).unwrap()).unwrap();
     assert_eq!(json["bias"], serde_json::Value::Null);
     assert_eq!(json["channel_bias"], serde_json::json!([0.0, null, 0.0]));

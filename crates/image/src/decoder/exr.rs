@@ -47,7 +47,7 @@ impl<'a> Exr<'a> {
                 Err(fault) => refused = refused.or(Some(fault)),
             }
         }
-        Err(refused.unwrap_or_else(|| no_colors(headers)).into())
+        Err(refused.unwrap_or_else(no_colors).into())
     }
 
     fn window(&self) -> IntegerBounds {
@@ -79,40 +79,18 @@ fn colors(part: &Header) -> Result<Option<Colors>, Fault> {
     match found[..] {
         [] => Ok(None),
         [(_, colors)] | [("", colors), ..] => Ok(Some(colors)),
-        [(_, Colors(first, _)), ..] => {
-            // Grey is the same three times.
-            let mut channels = first.map(|channel| &*names[channel]).to_vec();
-            channels.dedup();
-            let channels = channels.join(",");
-            let names = listed(found.iter().map(|(name, _)| (*name).to_owned()));
-            Err(Fault {
-                message: format!("it has several layers of colours: {names}"),
-                remedy: format!(
-                    "save the one that you want: oiiotool IN --ch \"{channels}\" -o OUT"
-                ),
-            })
-        }
+        [(first, _), (second, _), ..] => Err(Fault {
+            message: format!("it has several layers of colours, such as {first} and {second}"),
+            remedy: "save the one that you want as R, G and B".to_owned(),
+        }),
     }
 }
 
-fn no_colors(parts: &[Header]) -> Fault {
-    let channels = parts.iter().flat_map(|part| &part.channels.list);
+fn no_colors() -> Fault {
     Fault {
-        message: format!(
-            "it has no channels of colour, but {}",
-            listed(channels.map(|one| one.name.to_string()))
-        ),
+        message: "it has no channels of colour".to_owned(),
         remedy: "save it with the channels R, G and B, or Y".to_owned(),
     }
-}
-
-/// The first names of a list that may be of any length.
-fn listed(mut names: impl Iterator<Item = String>) -> String {
-    /// As many as a line of an error has room for.
-    const MOST: usize = 8;
-    let first: Vec<String> = names.by_ref().take(MOST).collect();
-    let more = if names.next().is_some() { ", ..." } else { "" };
-    first.join(", ") + more
 }
 
 /// Checks that a part is stored in a way that can be read.
@@ -132,17 +110,19 @@ fn can_read(part: &Header) -> Result<(), Fault> {
             remedy: "check that the file is whole, or use a smaller image".to_owned(),
         });
     }
-    let (message, remedy) = match part.compression {
-        _ if part.deep => ("deep data cannot be read".to_owned(), "--flatten"),
-        DWAA(_) | DWAB(_) | HTJ2K32 | HTJ2K256 => {
-            (format!("{} cannot be read", part.compression), "--compression zip")
-        }
+    let what = match part.compression {
+        _ if part.deep => "deep data".to_owned(),
+        DWAA(_) | DWAB(_) | HTJ2K32 | HTJ2K256 => part.compression.to_string(),
         _ if !part.channels.list.iter().all(whole) => {
-            ("channels with fewer samples than pixels cannot be read".to_owned(), "--ch R,G,B")
+            "channels with fewer samples than pixels".to_owned()
         }
         _ => return Ok(()),
     };
-    Err(Fault { message, remedy: format!("convert it: oiiotool IN {remedy} -o OUT") })
+    Err(Fault {
+        message: format!("{what} cannot be read"),
+        remedy: "save it with a value for each pixel: oiiotool IN --compression zip -o OUT"
+            .to_owned(),
+    })
 }
 
 fn failed(error: exr::error::Error) -> ImageError {

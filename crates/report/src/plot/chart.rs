@@ -5,18 +5,14 @@ use std::path::Path;
 use super::axis::{Field, Mapping};
 use super::marks::{STROKE, legend, marker};
 use super::number::{exact, figure, quantity};
-use super::svg::{ABOVE, At, BESIDE, Drawing, LABEL, NOTE, Paint};
+use super::svg::{ABOVE, At, BESIDE, Drawing, NOTE, Paint};
 use super::{Chart, ChartAxis, Draw, Point, Scale, Series, font};
 use crate::files::write_text;
 use wavecrest_base::error::Result;
 
 /// Distance between rows of names.
 const ROW: f64 = 34.0;
-/// Half the height of a bar.
-const HALF: f64 = 11.0;
-/// Width of the gap between segments of a bar.
-const BETWEEN: f64 = 1.0;
-/// Distance from a bar to its sum, and from a guide to its name.
+/// Distance from a guide to its name.
 const GAP: f64 = 6.0;
 
 /// Half the length of the cap of a whisker, and the width of its lines.
@@ -102,11 +98,6 @@ impl Chart {
         std::iter::once(header).chain(rows).collect()
     }
 
-    /// Whether it has bars.
-    pub fn has_bars(&self) -> bool {
-        self.series.iter().any(|series| series.draw == Draw::Bars)
-    }
-
     fn draw(&self, drawing: &mut Drawing) {
         legend(drawing, &self.series);
         let mut field = self.field();
@@ -119,9 +110,6 @@ impl Chart {
         self.draw_guides(drawing, &field);
         for index in 0..self.series.len() {
             self.draw_series(drawing, index, &field);
-        }
-        if self.has_bars() {
-            self.draw_sums(drawing, &field);
         }
     }
 
@@ -138,11 +126,10 @@ impl Chart {
         }
     }
 
-    /// The room above the field and on its right, for names of guides and sums of bars.
+    /// The room above the field and on its right, for names of guides.
     fn room(&self) -> [f64; 2] {
         let names = self.guides.iter().map(|guide| font::width(&guide.name, NOTE) + 2.0 * GAP);
         match self.x.scale {
-            Scale::Names(_) if self.has_bars() => [0.0, font::width("  1234.5 ms", LABEL)],
             Scale::Names(_) => [if self.guides.is_empty() { 0.0 } else { 1.5 * NOTE }, 0.0],
             _ => [0.0, names.fold(0.0, f64::max)],
         }
@@ -182,47 +169,26 @@ impl Chart {
         }
         for (point, at) in points.iter().zip(places) {
             let Some(at) = at else { continue };
-            let near = Some(at).filter(|_| *draw != Draw::Bars);
-            drawing.begin(&self.words(index, point), point, near);
-            let ends = [point.low, point.high].map(|y| field.y.pixel_of_end(y));
-            if *draw == Draw::Bars {
-                let ([_, right], y) = (ends, at[1]);
-                drawing.rectangle(ends, [y - HALF, y + HALF], index);
-                drawing.line(&[[right, y - HALF], [right, y + HALF]], Paint::PAPER, BETWEEN);
-            } else {
-                let end = |y: f64| if field.turned { [y, at[1]] } else { [at[0], y] };
-                whisker(drawing, ends.map(end), field.turned, index);
-                marker(drawing, at, index);
-            }
+            drawing.begin(&self.words(index, point), point, at);
+            let end = |y: f64| {
+                let y = field.y.pixel_of_end(y);
+                if field.turned { [y, at[1]] } else { [at[0], y] }
+            };
+            whisker(drawing, [point.low, point.high].map(end), field.turned, index);
+            marker(drawing, at, index);
             drawing.end();
         }
     }
 
-    /// The sum at the end of each bar.
-    fn draw_sums(&self, drawing: &mut Drawing, field: &Field<'_>) {
-        let points = || self.series.iter().flat_map(|series| &series.points);
-        let rows: std::collections::BTreeSet<usize> = points().map(|p| p.x as usize).collect();
-        for row in rows {
-            let ends = points().filter(|p| p.x as usize == row).map(|p| p.high);
-            let sum = ends.fold(0.0, f64::max);
-            let Some([x, y]) = field.at(row as f64, sum) else { continue };
-            let sum = quantity(sum, &self.y.unit);
-            drawing.text(&sum, [x + GAP, y], ("start", BESIDE), LABEL, Paint::INK);
-        }
-    }
-
     fn words(&self, index: usize, point: &Point) -> String {
-        let Series { name, draw, .. } = &self.series[index];
         let x = match (&self.x.scale, &*self.x.label) {
             (Scale::Names(_), _) | (_, "") => name_or_value(&self.x, point.x),
             (_, label) => format!("{label}: {}", name_or_value(&self.x, point.x)),
         };
-        let interval = match draw {
-            Draw::Bars => String::new(),
-            _ => format!(" ({} to {})", figure(point.low), figure(point.high)),
-        };
-        let y = format!("{}: {}{interval}", self.y.label, quantity(point.y, &self.y.unit));
-        let lines = [name, &point.label, &x, &y].map(String::as_str);
+        let value = quantity(point.y, &self.y.unit);
+        let [low, high] = [point.low, point.high].map(figure);
+        let y = format!("{}: {value} ({low} to {high})", self.y.label);
+        let lines = [&self.series[index].name, &point.label, &x, &y].map(String::as_str);
         lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")
     }
 }

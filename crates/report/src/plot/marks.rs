@@ -15,9 +15,8 @@ pub(super) const STROKE: f64 = 2.0;
 
 /// The height of a row of the legend.
 const ROW: f64 = 22.0;
-/// The width of a sample, and half the height of that of a bar.
+/// The width of a sample.
 const SAMPLE: f64 = 22.0;
-const HALF: f64 = 6.0;
 /// Distance from the sample to the name.
 const GAP: f64 = 7.0;
 /// Distance between entries.
@@ -25,7 +24,7 @@ const BETWEEN: f64 = 22.0;
 /// Space below the last row.
 const BELOW: f64 = 6.0;
 
-/// The corners of each marker around its centre; a disk has none. More than four series are drawn as bars only.
+/// The corners of each marker around its centre; a disk has none. No chart has more series.
 const MARKERS: [&[At]; 4] = [
     &[],
     &[[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]],
@@ -61,14 +60,10 @@ pub(super) fn legend(drawing: &mut Drawing, series: &[Series]) {
         if x > 0.0 && x + wide > width {
             (x, y) = (0.0, y + ROW);
         }
-        match draw {
-            Draw::Bars => drawing.rectangle([x, x + SAMPLE], [y - HALF, y + HALF], index),
-            Draw::Line => drawing.line(&[[x, y], [x + SAMPLE, y]], Paint::series(index), STROKE),
-            Draw::Points => {}
+        if *draw == Draw::Line {
+            drawing.line(&[[x, y], [x + SAMPLE, y]], Paint::series(index), STROKE);
         }
-        if *draw != Draw::Bars {
-            marker(drawing, [x + SAMPLE / 2.0, y], index);
-        }
+        marker(drawing, [x + SAMPLE / 2.0, y], index);
         drawing.text(&name, [x + SAMPLE + GAP, y], ("start", BESIDE), LABEL, Paint::INK);
         x += wide + BETWEEN;
     }

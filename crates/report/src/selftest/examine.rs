@@ -1,5 +1,5 @@
-//! The hard cases on a user's own scene, of any shapes: leaks through edges and spheres, self-hits,
-//! and the quality of its triangles.
+//! The hard cases on a user's own scene, of any shapes: leaks through edges and spheres, and
+//! self-hits.
 
 use std::iter::Sum;
 
@@ -19,9 +19,6 @@ use wavecrest_scene::mesh::first_of_each;
 const RAYS: usize = 10_000_000;
 const RAYS_OF_A_TASK: usize = 1 << 12;
 
-/// A triangle with at least this ratio of length to height is a sliver.
-const SLIVER: f64 = 1000.0;
-
 /// The streams of random numbers, in place of a case's number and a part's place.
 const LEAKING: [u32; 2] = [100, 1];
 const LEAVING: [u32; 2] = [100, 2];
@@ -37,14 +34,6 @@ pub struct GeometryFacts {
     pub instanced: u64,
     /// Degenerate triangles, which are dropped.
     pub dropped: u64,
-    /// Triangles at least 1000 times as long as high.
-    pub slivers: u64,
-    /// The greatest ratio of length to height.
-    pub longest: f64,
-    /// Edges of only one triangle or half of a quad: the border of the mesh.
-    pub borders: u64,
-    /// Edges of more than two.
-    pub crowded: u64,
 }
 
 /// The outcome in one precision.
@@ -62,27 +51,10 @@ pub struct SceneTrial {
 /// Describes a geometry.
 pub fn shape(accel: &Accel) -> GeometryFacts {
     let geometry = accel.geometry();
-    let edges = edges_of(geometry);
-    let faces = || edges.chunk_by(|a, b| a.0 == b.0).map(<[FaceEdge]>::len);
-    let of = |i: usize| {
-        let [a, b, c] = geometry.triangle(i).map(|v| v.as_dvec3());
-        let longest =
-            (b - a).length_squared().max((c - b).length_squared().max((a - c).length_squared()));
-        // Twice the area is length times height. Degenerate triangles are counted elsewhere.
-        let doubled = (b - a).cross(c - a).length();
-        let ratio = if doubled > 0.0 { longest / doubled } else { 0.0 };
-        (u64::from(ratio >= SLIVER), ratio)
-    };
-    let worse = |a: (u64, f64), b: (u64, f64)| (a.0 + b.0, f64::max(a.1, b.1));
-    let (slivers, longest) = parallel::reduce(geometry.triangles.len(), (0, 0.0), of, worse);
     GeometryFacts {
         shapes: geometry.counts(),
         instanced: (geometry.len() - geometry.own()) as u64,
         dropped: accel.left_out(),
-        slivers,
-        longest,
-        borders: faces().filter(|faces| *faces == 1).count() as u64,
-        crowded: faces().filter(|faces| *faces > 2).count() as u64,
     }
 }
 

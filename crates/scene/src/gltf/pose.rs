@@ -7,7 +7,7 @@
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
-use wavecrest_base::error::{Error, Result};
+use wavecrest_base::error::Result;
 use wavecrest_base::parallel;
 use wavecrest_core::math::float::normalize_f64;
 
@@ -20,7 +20,6 @@ use crate::mesh::{MeshData, Scalar, origin, relative};
 
 /// An element of `skins`.
 pub(super) struct Skin {
-    path: String,
     /// The transform of each joint from the mesh's own space to the world; `None` for joints that are
     /// not in the scene.
     joints: Vec<Option<DAffine3>>,
@@ -59,7 +58,7 @@ impl Skin {
             }
             joints.push(worlds[node].map(|world| world * bound));
         }
-        Ok(Self { path: fields.path(), joints })
+        Ok(Self { joints })
     }
 }
 
@@ -166,7 +165,6 @@ impl PrimitiveReader<'_> {
         while let Some(set) = self.influences(vertices, sets.len())? {
             sets.push(set);
         }
-        self.mend_weights(vertices, &mut sets);
         for (number, set) in sets.iter().enumerate() {
             self.check_influences(vertices, number, set, skin)?;
         }
@@ -208,19 +206,6 @@ impl PrimitiveReader<'_> {
         Ok(joints.zip(weights).map(|(joints, weights)| Influences { joints, weights }))
     }
 
-    /// Gives vertices without any weight to the first of their joints.
-    fn mend_weights(&self, vertices: &Vertices<'_>, sets: &mut [Influences]) {
-        let count = sets.first().map_or(0, |set| set.weights.len());
-        let is_free = |i: &usize| sets.iter().all(|set| set.weights[*i] == [0.0; 4]);
-        let free: Vec<usize> = (0..count).filter(is_free).collect();
-        if free.is_empty() {
-            return;
-        }
-        let message = "some vertices of a skin have no weights";
-        self.notes.note(&vertices.of.path, message, "they follow the first of their joints");
-        free.into_iter().for_each(|i| sets[0].weights[i][0] = 1.0);
-    }
-
     /// Checks all joints that have a weight.
     fn check_influences(
         &self,
@@ -239,29 +224,25 @@ impl PrimitiveReader<'_> {
             }
             let used = joints.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
             for (&joint, _) in used {
-                match skin.joints.get(usize::from(joint)) {
-                    Some(Some(_)) => {}
-                    Some(None) => return Err(self.is_not_in_the_scene(skin, joint)),
+                let (message, remedy) = match skin.joints.get(usize::from(joint)) {
+                    Some(Some(_)) => continue,
+                    Some(None) => (
+                        "the joint is not in the scene",
+                        "list it, or a parent of it, in the nodes of the scene".to_owned(),
+                    ),
                     None => {
-                        let error = self.error(&place("JOINTS", i), "there is no such joint");
                         let there = skin.joints.len();
-                        let remedy = format!("the skin has {there}, counted from 0");
-                        return Err(error.value(joint).remedy(remedy));
+                        ("there is no such joint", format!("the skin has {there}, counted from 0"))
                     }
-                }
+                };
+                return Err(self.error(&place("JOINTS", i), message).value(joint).remedy(remedy));
             }
         }
         Ok(())
     }
-
-    fn is_not_in_the_scene(&self, skin: &Skin, joint: u16) -> Error {
-        let place = format!("{}.joints[{joint}]", skin.path);
-        let error = self.error(&place, "the joint is not in the scene");
-        error.remedy("list it, or a parent of it, in the nodes of the scene")
-    }
 }
 
-/// The mean of the transforms of a vertex's joints by its weights, of which some are above 0.
+/// The mean of the transforms of a vertex's joints by its weights; that of the first joint if all are 0.
 fn blended(sets: &[Influences], skin: &Skin, vertex: usize) -> DAffine3 {
     let (mut matrix3, mut translation, mut total) = (DMat3::ZERO, DVec3::ZERO, 0.0);
     for set in sets {
@@ -272,6 +253,11 @@ fn blended(sets: &[Influences], skin: &Skin, vertex: usize) -> DAffine3 {
             translation += own.translation * weight;
             total += weight;
         }
+    }
+    if total == 0.0 {
+        let first =
+            sets.first().and_then(|set| skin.joints.get(usize::from(set.joints[vertex][0])));
+        return first.copied().flatten().unwrap_or(DAffine3::IDENTITY);
     }
     DAffine3 { matrix3: matrix3 * (1.0 / total), translation: translation / total }
 }

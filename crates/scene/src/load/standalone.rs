@@ -54,10 +54,6 @@ pub(super) fn world(
         part
     };
     let mut parts = split(begin, mesh, &materials, path, notes);
-    let is_plain = |part: &EntityBuilder| part.get::<&Material>().is_some_and(|one| *one == own);
-    if options.color.is_some() && !parts.iter().any(is_plain) {
-        notes.note("", "the colour has no effect", "the file has materials for all faces");
-    }
     let mut images = Masks::of_scene(path);
     let shown = parts.iter().filter_map(|part| {
         let surface = (part.get::<&CutOut>(), part.get::<&Maps>().unwrap_or(&Maps::NONE));

@@ -6,7 +6,6 @@ use crate::accuracy::store::ReferenceRecord;
 use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::{figure, plural};
 use crate::plot::{self, Chart, ChartAxis, Draw, Guide, Scale, Series};
-use crate::selftest::errors::{Distribution, HitErrors, ulps};
 
 /// The charts of a family, each with its file name.
 pub(super) fn charts(
@@ -14,19 +13,10 @@ pub(super) fn charts(
     scene: &SceneAccuracy,
 ) -> Vec<(String, Chart)> {
     let name = family.name;
-    match name {
-        "bounces" => {
-            let title = "Error against the number of bounces".to_owned();
-            let caption = "With the scene's own samples. The last point has all bounces: only sampling contributes to \
-                           its error.";
-            let axis = ChartAxis::new(&family.counted, "", Scale::Linear);
-            vec![(name.to_owned(), chart(title, family, axis, |p| p.x, caption.to_owned()))]
-        }
-        _ => vec![
-            (format!("{name}-samples"), against_samples(family, scene)),
-            (format!("{name}-time"), against_time(family, scene)),
-        ],
-    }
+    vec![
+        (format!("{name}-samples"), against_samples(family, scene)),
+        (format!("{name}-time"), against_time(family, scene)),
+    ]
 }
 
 fn log(label: &str, unit: &str) -> ChartAxis {
@@ -180,36 +170,21 @@ fn points(family: &Family<SettingResult>) -> Table {
     Table::new("", header, rows)
 }
 
-/// Time and error of each precision, with leaks and self-hits.
+/// Time and error of each precision.
 pub(super) fn precision(scene: &SceneAccuracy) -> Vec<Block> {
     let family = scene.family("precision");
     let Some(points) = family.and_then(|f| f.series.first()).map(|series| &series.points) else {
         return Vec::new();
     };
     let fast = points.first().map_or(1.0, |p| p.seconds.median);
-    let share =
-        |[tried, failed]: [u64; 2]| Cell::number(failed as f64, format!("{failed} of {tried}"));
     let row = |p: &SettingResult| {
-        let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
-        let missing = || Cell::text("no triangles");
-        let errors = trial.map(|trial| &*trial.errors);
-        let worst = |of: fn(&HitErrors) -> &Distribution| {
-            errors.map_or_else(missing, |e| Cell::number(of(e).worst, ulps(of(e).worst)))
-        };
-        let ratio = p.seconds.median / fast;
         vec![
             Cell::text(p.label.clone()),
-            Cell::decimals(ratio, 2),
+            Cell::decimals(p.seconds.median / fast, 2),
             Cell::figure(p.rmse.value),
-            trial.map_or_else(missing, |t| share(t.leaks)),
-            trial.map_or_else(missing, |t| share(t.self_hits)),
-            worst(|errors| &errors.t),
-            worst(|errors| &errors.point),
-            worst(|errors| &errors.normal),
         ]
     };
-    let caption = "Leaks: rays aimed at an edge that pass between its two triangles. Self-hits: rays that leave a \
-                   triangle and hit it again (acne). Then the largest errors of hits";
-    let header = "precision|>time / fast|>RMSE|>leaks|>self-hits|>t|>point|>normal";
+    let caption = "What each gets wrong in this scene: `wavecrest selftest` with its file";
+    let header = "precision|>time / fast|>RMSE";
     vec![Block::Table(Table::new(caption, header, points.iter().map(row).collect()))]
 }

@@ -10,6 +10,7 @@ use crate::plot::number::{plural, time_unit};
 use crate::plot::{Chart, ChartAxis, Draw, Guide, Point, Scale, Series};
 use wavecrest_core::counters::RayCounts;
 use wavecrest_core::render::TracerKind;
+use wavecrest_core::tile::TimedPass;
 
 /// A comparison: heading, and what its speeds are relative to.
 fn words(of: Varied) -> [&'static str; 2] {
@@ -45,7 +46,7 @@ pub(super) fn comparison(
     blocks.extend([
         Block::Chart(chart),
         Block::Table(times(found, over, &note)),
-        passes(found, title),
+        Block::Table(passes(found)),
     ]);
     if let (Varied::Ladder, Some(wavefront)) = (found.of, found.wavefront()) {
         blocks.push(Block::Table(costs(wavefront)));
@@ -113,16 +114,24 @@ fn times(found: &BenchComparison, over: &str, note: &str) -> Table {
     })
 }
 
-/// Time by pass. The recursive tracer has no passes.
-fn passes(found: &BenchComparison, title: &str) -> Block {
+/// Time by pass, a column for each pass that takes time. The recursive tracer has no passes.
+fn passes(found: &BenchComparison) -> Table {
     let has_passes = |v: &&VariantBench| v.variant.tracer == TracerKind::Wavefront;
-    let bar = |v: &VariantBench| {
-        let stages = v.passes.iter().filter(|(_, seconds)| *seconds > 0.0);
-        (v.label.clone(), stages.map(|&(stage, seconds)| (stage.to_owned(), seconds)).collect())
+    let variants: Vec<_> = found.variants.iter().filter(has_passes).collect();
+    let seconds = |v: &VariantBench, pass: TimedPass| {
+        v.passes.iter().find(|(name, _)| *name == pass.name()).map_or(0.0, |(_, seconds)| *seconds)
     };
-    let caption = "Medians of the runs, summed over threads.";
-    let bars: Vec<_> = found.variants.iter().filter(has_passes).map(bar).collect();
-    Block::Chart(Chart::bars(&format!("{title}: time by pass"), caption, &bars))
+    let shown = |pass: &TimedPass| variants.iter().any(|v| seconds(v, *pass) > 0.0);
+    let shown: Vec<_> = TimedPass::ALL.into_iter().filter(shown).collect();
+    let longest = variants.iter().flat_map(|v| v.passes.iter().map(|(_, seconds)| *seconds));
+    let (scale, second) = time_unit(longest.fold(0.0, f64::max));
+    let row = |v: &&VariantBench| {
+        let cells = shown.iter().map(|pass| Cell::decimals(scale * seconds(v, *pass), 3));
+        std::iter::once(Cell::text(v.label.clone())).chain(cells).collect()
+    };
+    let names = shown.iter().map(|pass| format!("|>{}", pass.name())).collect::<String>();
+    let caption = format!("Time by pass, {second}. Medians of the runs, summed over threads.");
+    Table::new(caption, &names, variants.iter().map(row).collect())
 }
 
 /// What the passes of the wavefront cost for each of what they handle.
