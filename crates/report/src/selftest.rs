@@ -13,7 +13,7 @@ mod aim;
 mod boxes;
 mod case;
 mod edges;
-mod errors;
+pub mod errors;
 pub mod examine;
 mod flat;
 mod instances;

@@ -22,6 +22,7 @@
 //! | `.points[].mse`, `.relative_mse`, `.psnr`, `.flip`, `.bias` | | means over seeds; see [`wavecrest_image::compare`] |
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
 //! | `.points[].above_noise` | | whether the error is at least three standard errors of the reference |
+//! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, the largest errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
 
 #![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 
@@ -31,8 +32,8 @@ use serde::Serialize;
 
 use super::setting::{Axis, CountedSetting, Family, Setting, SettingSeries, Truth, converges};
 use super::store::{
-    PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, busy_rounds, largest_share,
-    records_of,
+    PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, TrialRecord, busy_rounds,
+    largest_share, records_of,
 };
 use super::subject::{FLOOR, Subject};
 use crate::measure::Rounds;
@@ -55,6 +56,7 @@ pub struct SceneAccuracy {
     pub answer: FastestSettings,
     pub references: Vec<ReferenceRecord>,
     pub families: Vec<Family<SettingResult>>,
+    pub trials: Vec<TrialRecord>,
 }
 
 /// A setting.
@@ -91,6 +93,7 @@ impl SceneAccuracy {
         let left = if is_enough { busy.clone() } else { BTreeSet::new() };
         let (rounds, left_out) = (all_rounds - left.len(), left.len());
         let references = records_of(records).filter(|r: &&ReferenceRecord| r.scene == name);
+        let trials = records_of(records).filter(|t: &&TrialRecord| t.scene == name);
         let prepared = records_of(records).filter(|p: &&PreparedRecord| p.scene == name);
         let before: Vec<f64> = prepared.map(|p| p.time.load + p.time.build).collect();
         let mut found = Self {
@@ -100,6 +103,7 @@ impl SceneAccuracy {
             answer: FastestSettings::default(),
             references: references.cloned().collect(),
             families: Vec::new(),
+            trials: trials.cloned().collect(),
         };
         found.families =
             subject.families.iter().map(|f| found.summary(f, records, &left)).collect();

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::setting::Truth;
 use crate::bench::{Circumstances, Preparation};
 use crate::measure::{SHORT, Timing, quiet};
+use crate::selftest::errors::HitErrors;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{make_folder, written};
 
@@ -103,6 +104,21 @@ pub struct ImageErrors {
     pub flip: f64,
 }
 
+/// A test of a precision on a scene's triangles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrialRecord {
+    /// The scene's name.
+    pub scene: String,
+    /// The precision.
+    pub precision: String,
+    /// Rays aimed at edges, and the number that passed between two triangles.
+    pub leaks: [u64; 2],
+    /// Rays that leave a triangle, and the number that hit it again.
+    pub self_hits: [u64; 2],
+    /// Errors of hits against the exact ones.
+    pub errors: Box<HitErrors>,
+}
+
 /// A line of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "record", rename_all = "kebab-case")]
@@ -114,6 +130,7 @@ pub enum Record {
     Prepared(PreparedRecord),
     Reference(ReferenceRecord),
     Point(PointRecord),
+    Trial(TrialRecord),
 }
 
 impl Record {
@@ -126,6 +143,7 @@ impl Record {
             Self::Prepared(found) => found,
             Self::Reference(found) => found,
             Self::Point(found) => found,
+            Self::Trial(found) => found,
         };
         found.downcast_ref()
     }

@@ -10,13 +10,17 @@ use rand::seq::SliceRandom;
 
 use super::setting::{CountedSetting, Family, Setting, Truth};
 use super::store::{
-    ImageErrors, PointRecord, PreparedRecord, Record, Store, SweepHeader, busy_rounds, records_of,
+    ImageErrors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, busy_rounds,
+    records_of,
 };
 use super::subject::{LEAST_WORK, Subject};
 use super::{OnProgress, SweepProgress};
 use crate::measure::rounds;
+use crate::selftest::examine::trial;
+use crate::selftest::{Count, Effort};
 use crate::summary::generator;
 use wavecrest_base::error::Result;
+use wavecrest_core::kernels::precision::Precision;
 use wavecrest_image::compare::{Comparison, compare};
 use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 
@@ -50,6 +54,7 @@ pub fn run(
             subject.references.insert(target, film);
         }
         points(subject, seeds as usize, store, progress)?;
+        trials(subject, store, progress)?;
     }
     Ok(subjects)
 }
@@ -123,6 +128,29 @@ fn note_preparation(subject: &Subject, store: &mut Store) -> Result<()> {
     for _ in rounds(PREPARED, SHORT) {
         let time = subject.build(&Setting::default())?.time;
         store.add(Record::Prepared(PreparedRecord { scene: scene.clone(), time }))?;
+    }
+    Ok(())
+}
+
+/// Tests every precision at the edges and on the faces of the scene's triangles.
+fn trials(subject: &mut Subject, store: &mut Store, progress: &OnProgress<'_>) -> Result<()> {
+    let scene = subject.record.scene.clone();
+    let done = records_of(&store.records).filter(|t: &&TrialRecord| t.scene == scene).count();
+    progress(SweepProgress::Stage(&format!("{scene}: leaks and self-hits")));
+    for precision in Precision::ALL.into_iter().skip(done) {
+        let setting = Setting { precision, ..Setting::default() };
+        let accel = &subject.prepare(&setting)?.scene.accel;
+        if accel.geometry().triangles.is_empty() {
+            return Ok(());
+        }
+        let found = trial(accel, &Effort { precision, seed: 1, count: Count::Quick });
+        store.add(Record::Trial(TrialRecord {
+            scene: scene.clone(),
+            precision: precision.name().to_owned(),
+            leaks: [found.leaks.tried, found.leaks.failed],
+            self_hits: [found.self_hits.tried, found.self_hits.failed],
+            errors: Box::new(found.errors),
+        }))?;
     }
     Ok(())
 }

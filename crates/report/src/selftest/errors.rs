@@ -5,7 +5,7 @@
 
 use std::iter::Sum;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::aim::surface_at;
 use super::prelude::*;
@@ -15,7 +15,7 @@ use wavecrest_core::math::exact::Comparable;
 use wavecrest_core::math::float::max_abs;
 
 /// The largest errors of hits against exact ones.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HitErrors {
     /// The number of hits.
     pub hits: u64,
@@ -78,7 +78,7 @@ impl Sum for HitErrors {
 const MOST: f64 = (1 << 23) as f64;
 
 /// A number of ulp in words.
-fn ulps(ulp: f64) -> String {
+pub fn ulps(ulp: f64) -> String {
     if ulp > MOST {
         return format!("more than {} ulp", figure(MOST));
     }

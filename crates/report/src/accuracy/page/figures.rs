@@ -6,6 +6,7 @@ use crate::accuracy::store::ReferenceRecord;
 use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::{figure, plural};
 use crate::plot::{self, Chart, ChartAxis, Draw, Guide, Scale, Series};
+use crate::selftest::errors::{HitErrors, ulps};
 
 /// The charts of a family, each with its file name.
 pub(super) fn charts(
@@ -170,21 +171,36 @@ fn points(family: &Family<SettingResult>) -> Table {
     Table::new("", header, rows)
 }
 
-/// Time and error of each precision.
+/// Time and error of each precision, with leaks and self-hits.
 pub(super) fn precision(scene: &SceneAccuracy) -> Vec<Block> {
     let family = scene.family("precision");
     let Some(points) = family.and_then(|f| f.series.first()).map(|series| &series.points) else {
         return Vec::new();
     };
     let fast = points.first().map_or(1.0, |p| p.seconds.median);
+    let share =
+        |[tried, failed]: [u64; 2]| Cell::number(failed as f64, format!("{failed} of {tried}"));
     let row = |p: &SettingResult| {
+        let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
+        let missing = || Cell::text("no triangles");
+        let errors = trial.map(|trial| &*trial.errors);
+        let worst = |of: fn(&HitErrors) -> f64| {
+            errors.map_or_else(missing, |e| Cell::number(of(e), ulps(of(e))))
+        };
+        let ratio = p.seconds.median / fast;
         vec![
             Cell::text(p.label.clone()),
-            Cell::decimals(p.seconds.median / fast, 2),
+            Cell::decimals(ratio, 2),
             Cell::figure(p.rmse.value),
+            trial.map_or_else(missing, |t| share(t.leaks)),
+            trial.map_or_else(missing, |t| share(t.self_hits)),
+            worst(|errors| errors.t),
+            worst(|errors| errors.point),
+            worst(|errors| errors.normal),
         ]
     };
-    let caption = "What each gets wrong in this scene: `wavecrest selftest` with its file";
-    let header = "precision|>time / fast|>RMSE";
+    let caption = "Leaks: rays aimed at an edge that pass between its two triangles. Self-hits: rays that leave a \
+                   triangle and hit it again (acne). Then the largest errors of hits";
+    let header = "precision|>time / fast|>RMSE|>leaks|>self-hits|>t|>point|>normal";
     vec![Block::Table(Table::new(caption, header, points.iter().map(row).collect()))]
 }
