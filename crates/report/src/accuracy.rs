@@ -1,4 +1,4 @@
-//! Error against time: a sweep over every sampler, number of points and precision, with a report
+//! Error against time: a sweep over everything that affects the error of an image, with a report
 //! that can be published.
 //!
 //! [`setting`] defines the variations; [`sweep`] renders them, with many seeds in random order, and

@@ -47,6 +47,7 @@ mod geometry;
 mod lights;
 pub mod looks;
 mod materials;
+pub mod overrides;
 mod placement;
 mod reach;
 mod shows;

@@ -7,12 +7,16 @@ use wavecrest_core::kernels::light::Light;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
+use wavecrest_scene::components::Filter;
+use wavecrest_scene::systems::overrides::Overrides;
 
 /// One way to render a scene. `None` keeps the value of the scene's file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setting {
     /// The precision of hits, chosen before the scene is prepared.
     pub precision: Precision,
+    /// Overrides of the scene's file, chosen before it is prepared.
+    pub overrides: Overrides,
     /// Choices for each render.
     pub samples: Samples,
 }
@@ -30,10 +34,13 @@ impl Setting {
     pub fn key(&self) -> String {
         let points = |p: Points| format!("{}:{}", p.sampling.name(), p.side);
         let Samples { lights, lens, pixel } = self.samples;
+        let Overrides { bounces, filter } = self.overrides;
         let values = [
             ("lights", lights.map(points)),
             ("lens", lens.map(points)),
             ("pixel", pixel.map(points)),
+            ("bounces", bounces.map(|n| n.to_string())),
+            ("filter", filter.map(|filter| filter.name().to_owned())),
         ];
         let words = values.into_iter().filter_map(|(name, value)| Some((name, value?)));
         let key = self.precision.name().to_owned();
@@ -43,7 +50,7 @@ impl Setting {
 
 /// Whether the error of a setting with this [key](Setting::key) converges to 0 with more points.
 pub fn converges(key: &str) -> bool {
-    key.contains(':')
+    key.contains(':') && !key.contains("filter=")
 }
 
 wavecrest_base::choices! {
@@ -98,12 +105,16 @@ impl<P> Family<P> {
 /// The properties of a scene that can be varied.
 #[derive(Clone, Debug)]
 pub struct Facts {
+    /// Whether there is an image of a texture.
+    pub has_textures: bool,
     /// Whether the camera has a lens.
     pub has_lens: bool,
     /// Whether a pixel has several rays.
     pub is_antialiased: bool,
     /// Where random points of lights are; empty without any.
     pub lights: &'static str,
+    /// Largest number of bounces in use.
+    pub bounces: u32,
 }
 
 /// Where points of lights are: with those of the sky, and with those of others.
@@ -117,9 +128,11 @@ impl Facts {
         let is_sky = |light: &Light| light.emitter.ambient_reach().is_some();
         let has = |sky| scene.lights.iter().any(|light| light.is_sampled() && is_sky(light) == sky);
         Self {
+            has_textures: !scene.appearance.images.is_empty(),
             has_lens: scene.camera.has_lens(),
             is_antialiased: scene.camera.points() > 1,
             lights: PLACES[usize::from(has(true))][usize::from(has(false))],
+            bounces: scene.bounces,
         }
     }
 
@@ -167,19 +180,25 @@ impl Axis {
     pub(super) fn things(self) -> String {
         match self {
             Self::Lights(place) => format!("points {place}"),
-            Self::Lens(place) => format!("points on the lens{}", each(place)),
-            Self::Pixel(place) => format!("rays per pixel{}", each(place)),
+            Self::Lens(place) => format!("points on the lens{}", each("one point", place)),
+            Self::Pixel(place) => format!("rays per pixel{}", each("one point", place)),
         }
     }
 }
 
-/// That each ray takes a point of lights at a `place`; empty without any.
-fn each(place: &str) -> String {
-    if place.is_empty() { String::new() } else { format!(", each with one point {place}") }
+/// That each ray takes `points` of lights at a `place`; empty without any.
+fn each(points: &str, place: &str) -> String {
+    if place.is_empty() { String::new() } else { format!(", each with {points} {place}") }
 }
 
 /// Sides of square grids, in roughly equal ratios of their number of points.
 const SIDES: [u32; 12] = [1, 2, 3, 4, 5, 6, 8, 11, 16, 23, 32, 45];
+
+/// Sides of grids of rays in a pixel when textures are compared.
+const FILTER_SIDES: [u32; 3] = [1, 2, 4];
+
+/// Largest number of different numbers of bounces.
+const MOST_BOUNCES: u32 = 16;
 
 /// The families of a scene with these `facts`, with up to `most` points of a kind.
 pub fn families(facts: &Facts, most: u32) -> Vec<Family<CountedSetting>> {
@@ -187,11 +206,16 @@ pub fn families(facts: &Facts, most: u32) -> Vec<Family<CountedSetting>> {
     let along = |axis: Axis| (axis.things(), sampled(most, axis));
     let of_lights = (!lights.is_empty()).then(|| along(Axis::Lights(lights)));
     let of_lens = facts.has_lens.then(|| along(Axis::Lens(lights)));
+    let of_bounces = (facts.bounces > 0).then(|| ("bounces".to_owned(), bounces(facts.bounces)));
+    let of_file = || format!("rays per pixel{}", each("the file's points", lights));
+    let of_textures = facts.has_textures.then(|| (of_file(), filters()));
     let all = [
         ("lights", "Points on lights", Truth::Scene, of_lights),
         ("lens", "Points on the lens", Truth::Scene, of_lens),
         ("pixel", "Rays in a pixel", Truth::Pixel, Some(along(Axis::Pixel(lights)))),
+        ("bounces", "Bounces", Truth::Scene, of_bounces),
         ("precision", "Precision", Truth::Scene, Some(("precision".to_owned(), precisions()))),
+        ("filter", "Texture filters", Truth::Pixel, of_textures),
     ];
     let family = |(name, title, target, varied): (_, _, _, Option<(_, _)>)| {
         let (counted, series) = varied?;
@@ -214,11 +238,33 @@ fn sampled(most: u32, axis: Axis) -> Vec<SettingSeries<CountedSetting>> {
     Sampling::ALL.map(line).to_vec()
 }
 
+fn bounces(all: u32) -> Vec<SettingSeries<CountedSetting>> {
+    let counts = (0..all).step_by(all.div_ceil(MOST_BOUNCES) as usize).chain([all]);
+    let point = |n: u32| {
+        let overrides = Overrides { bounces: Some(n), ..Overrides::default() };
+        (f64::from(n), n.to_string(), Setting { overrides, ..Setting::default() })
+    };
+    vec![series("bounces", counts.map(point))]
+}
+
 fn precisions() -> Vec<SettingSeries<CountedSetting>> {
     let point = |(i, precision): (u32, Precision)| {
         (f64::from(i), precision.name().to_owned(), Setting { precision, ..Setting::default() })
     };
     vec![series("precision", (0..).zip(Precision::ALL).map(point))]
+}
+
+fn filters() -> Vec<SettingSeries<CountedSetting>> {
+    let line = |filter: Filter| {
+        let overrides = Overrides { filter: Some(filter), ..Overrides::default() };
+        let point = |side| {
+            let points = Points { sampling: Sampling::Jittered, side };
+            let samples = Samples { pixel: Some(points), ..Samples::default() };
+            counted(points, Setting { overrides, samples, ..Setting::default() })
+        };
+        series(filter.name(), FILTER_SIDES.map(point))
+    };
+    Filter::ALL.map(line).to_vec()
 }
 
 fn counted(points: Points, setting: Setting) -> CountedSetting {
@@ -238,7 +284,10 @@ mod tests {
 
     #[test]
     fn points_are_named_by_what_they_are_on_and_rays_by_their_points() {
-        let facts = |lights, has_lens, is_antialiased| Facts { has_lens, is_antialiased, lights };
+        let facts = |lights, has_lens, is_antialiased| {
+            let (has_textures, bounces) = (false, 0);
+            Facts { has_textures, has_lens, is_antialiased, lights, bounces }
+        };
         let [[none, lights], [sky, both]] = PLACES;
         for (facts, words) in [
             (facts(none, false, false), "rays per pixel"),

@@ -1,4 +1,4 @@
-//! A scene rendered in many ways: prepared once for each precision, with new samples for each
+//! A scene rendered in many ways: prepared once for each precision and override of its file, with new samples for each
 //! render; and its reference images, with their own standard error.
 //!
 //! A reference is the mean of several renders with the reference kernel and different random numbers.
@@ -32,6 +32,7 @@ use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, write};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::extract;
+use wavecrest_scene::systems::overrides::{self, Overrides};
 
 /// A scene, and its prepared structures.
 #[derive(Debug)]
@@ -44,7 +45,7 @@ pub struct Subject {
     pub families: Vec<Family<CountedSetting>>,
     /// The references of errors, once they are rendered.
     pub references: BTreeMap<Truth, Film>,
-    prepared: HashMap<Precision, PreparedSubject>,
+    prepared: HashMap<(Precision, Overrides), PreparedSubject>,
 }
 
 /// A scene prepared in one structure.
@@ -109,15 +110,15 @@ impl Subject {
     /// # Errors
     /// If it can no longer be loaded or prepared.
     pub fn prepare(&mut self, setting: &Setting) -> Result<&mut PreparedSubject> {
-        let precision = setting.precision;
-        let prepared = match self.prepared.remove(&precision) {
+        let key = (setting.precision, setting.overrides);
+        let prepared = match self.prepared.remove(&key) {
             Some(prepared) => prepared,
             None => {
                 self.make_room();
                 self.build(setting)?
             }
         };
-        Ok(self.prepared.entry(precision).or_insert(prepared))
+        Ok(self.prepared.entry(key).or_insert(prepared))
     }
 
     /// Prepares the scene without keeping it.
@@ -127,8 +128,9 @@ impl Subject {
     pub fn build(&self, setting: &Setting) -> Result<PreparedSubject> {
         let [width, height] = self.record.size.map(Some);
         let start = Instant::now();
-        let loaded =
+        let mut loaded =
             load(&self.record.file, &LoadOptions { width, height, ..LoadOptions::default() })?;
+        overrides::apply(&mut loaded.world, &setting.overrides);
         // No render should wait for an image.
         let (precision, bvh) = (setting.precision, Some(Preset::Fast));
         let options = SceneOptions { precision, bvh, at_once: true, ..SceneOptions::default() };

@@ -45,6 +45,12 @@ impl Maps {
         all.into_iter().filter_map(|(key, map)| Some((key, map.as_ref()?)))
     }
 
+    /// As [`Maps::all`], mutable.
+    pub fn all_mut(&mut self) -> impl Iterator<Item = &mut Map> {
+        let Self { emission, metal, occlusion, normal, opacity } = self;
+        [emission, metal, occlusion, normal, opacity].into_iter().flatten()
+    }
+
     /// Warns of images that something else keeps from having an effect.
     fn warn_of_idle(&self, object: &Object<'_>) {
         if self.opacity.is_some() && blends(object) && object.has(OPACITY_MAP) {

@@ -14,10 +14,19 @@ pub(super) fn charts(
     scene: &SceneAccuracy,
 ) -> Vec<(String, Chart)> {
     let name = family.name;
-    vec![
-        (format!("{name}-samples"), against_samples(family, scene)),
-        (format!("{name}-time"), against_time(family, scene)),
-    ]
+    match name {
+        "bounces" => {
+            let title = "Error against the number of bounces".to_owned();
+            let caption = "With the scene's own samples. The last point has all bounces: only sampling contributes to \
+                           its error.";
+            let axis = ChartAxis::new(&family.counted, "", Scale::Linear);
+            vec![(name.to_owned(), chart(title, family, axis, |p| p.x, caption.to_owned()))]
+        }
+        _ => vec![
+            (format!("{name}-samples"), against_samples(family, scene)),
+            (format!("{name}-time"), against_time(family, scene)),
+        ],
+    }
 }
 
 fn log(label: &str, unit: &str) -> ChartAxis {
