@@ -71,8 +71,9 @@ fn main() -> ExitCode {
     let matches = match program().try_get_matches_from(&arguments) {
         Ok(matches) => matches,
         Err(error) => {
-            return other_name(&error, arguments.get(1))
-                .map_or_else(|| error.exit(), |error| failed(&error));
+            let command = arguments.get(1);
+            let known = other_name(&error, command).or_else(|| no_output(&error, command));
+            return known.map_or_else(|| error.exit(), |error| failed(&error));
         }
     };
     let command = Command::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
@@ -139,6 +140,17 @@ fn other_name(error: &clap::Error, command: Option<&OsString>) -> Option<Error> 
     options.find(|option| option.get_long() == Some(name))?;
     let message = format!("there is no {given}");
     Some(Error::new(ErrorKind::Usage, message).remedy(format!("use {usage}")))
+}
+
+/// The error that a render has no output, and all else.
+fn no_output(error: &clap::Error, command: Option<&OsString>) -> Option<Error> {
+    let ContextValue::Strings(missing) = error.get(ContextKind::InvalidArg)? else { return None };
+    if command? != "render" || missing[..] != ["<OUTPUT>"] {
+        return None;
+    }
+    let look = if cfg!(feature = "view") { ", or `wavecrest view FILE`" } else { "" };
+    let error = Error::new(ErrorKind::Usage, "the output is missing");
+    Some(error.remedy(format!("add one, such as out.png{look}")))
 }
 
 /// The arguments, with `render` inserted if they name no command.

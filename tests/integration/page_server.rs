@@ -84,10 +84,10 @@ fn only_requests_that_know_the_page_are_answered() {
 fn silent_and_endless_connections_keep_nobody_waiting() {
     let shown = Shown::begin();
     let mut socket = shown.socket();
-    socket.next("state");
-    let scene = shown.filled("GET /TOKEN/scene.json HTTP/1.1\r\nHost: HOST\r\n\r\n");
+    while socket.next("figures")["halves"][0]["rests"] != true {}
+    let image = shown.filled("GET /TOKEN/image.png HTTP/1.1\r\nHost: HOST\r\n\r\n");
     let mut downloads: Vec<TcpStream> = (0..9).map(|_| shown.connect()).collect();
-    downloads.iter_mut().for_each(|saved| saved.write_all(scene.as_bytes()).expect("a connection"));
+    downloads.iter_mut().for_each(|saved| saved.write_all(image.as_bytes()).expect("a connection"));
     let silent: Vec<TcpStream> = (0..300).map(|_| shown.connect()).collect();
     let begun = Instant::now();
     assert!(shown.page().starts_with("HTTP/1.1 200 "));
