@@ -64,18 +64,18 @@ pub(crate) struct InputOptions {
     )]
     pub(crate) view: Option<Side>,
     /// Another place for the camera, in the coordinates of the file
-    #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
+    #[arg(long, help_heading = IMAGE, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
           conflicts_with = "turntable")]
     pub(crate) from: Option<DVec3>,
     /// Point that it looks at from there [default: what it looks at without]
-    #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
+    #[arg(long, help_heading = IMAGE, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
           requires = "from")]
     pub(crate) at: Option<DVec3>,
-    /// Up axis of a mesh or a glTF file [default: y; z for STL, and for PLY that stands only along z]. Three numbers are
-    /// up in the image alone, with --from
+    /// Up axis of a mesh or a glTF file [default: y; z for STL, and for others that stand only along z]. Three numbers are
+    /// up in the image alone, with --from; both may be given
     #[arg(long, help_heading = VIEW, value_name = "AXIS|X,Y,Z", value_parser = with_names(&AXES, upward),
           hide_possible_values = true, allow_hyphen_values = true)]
-    pub(crate) up: Option<Upward>,
+    pub(crate) up: Vec<Upward>,
     /// Angle of view of a mesh or a glTF file, across the shorter side of the image [default: 40; 60 in rooms]
     #[arg(long, help_heading = VIEW, value_name = "DEGREES", conflicts_with = "camera")]
     pub(crate) fov: Option<Fov>,
@@ -112,15 +112,19 @@ impl InputOptions {
         self.background == Some(Background::Transparent)
     }
 
+    /// The axis of the file that is up, and the direction in the image, as far as they are given.
+    pub(crate) fn axis(&self) -> Option<Up> {
+        self.up.iter().find_map(|up| if let Upward::Axis(axis) = up { Some(*axis) } else { None })
+    }
+
+    pub(crate) fn direction(&self) -> Option<DVec3> {
+        self.up.iter().find_map(|up| if let Upward::Direction(up) = up { Some(*up) } else { None })
+    }
+
     /// The options for the loader.
     pub(crate) fn load_options(&self) -> LoadOptions {
         let Self { allow_outside, view: side, fov, fit, turntable, sampler: sampling, .. } = *self;
         let [width, height] = self.size.map_or([self.width, self.height], |size| size.map(Some));
-        let (axis, up) = match self.up {
-            Some(Upward::Axis(axis)) => (Some(axis), None),
-            Some(Upward::Direction(up)) => (None, Some(up)),
-            None => (None, None),
-        };
         let usual = Lighting::default();
         let lighting = Lighting {
             rig: self.lights.unwrap_or(usual.rig),
@@ -137,8 +141,8 @@ impl InputOptions {
             sampling,
             camera: self.camera.clone(),
             allow_outside,
-            framing: Framing { side, up: axis, fov, fit, turntable },
-            look_at: self.from.map(|eye| LookAt { eye, target: self.at, up }),
+            framing: Framing { side, up: self.axis(), fov, fit, turntable },
+            look_at: self.from.map(|eye| LookAt { eye, target: self.at, up: self.direction() }),
             lighting,
             color: self.color,
             environment: self.environment.clone(),
@@ -153,16 +157,17 @@ impl InputOptions {
     pub(crate) fn check(&self, file: &Path) -> Result<()> {
         let Self { lights, crease, color, environment, .. } = self;
         let usage = |message: &str| Error::new(ErrorKind::Usage, message).in_file(file);
-        match self.up {
-            Some(Upward::Direction(_)) if self.from.is_none() => {
-                let error = usage("three numbers are up in the image of a camera from --from");
-                return Err(error.remedy("add --from, or use an axis, such as --up z"));
-            }
-            Some(Upward::Axis(_)) if self.camera.is_some() => {
-                let error = usage("--up with an axis has no effect on --camera");
-                return Err(error.remedy("leave out one of them"));
-            }
-            _ => {}
+        if self.direction().is_some() && self.from.is_none() {
+            let error = usage("three numbers are up in the image of a camera from --from");
+            return Err(error.remedy("add --from, or use an axis, such as --up z"));
+        }
+        if self.axis().is_some() && self.camera.is_some() {
+            let error = usage("--up with an axis has no effect on --camera");
+            return Err(error.remedy("leave out one of them"));
+        }
+        let known = usize::from(self.axis().is_some()) + usize::from(self.direction().is_some());
+        if self.up.len() > known {
+            return Err(usage("--up is given twice").remedy("use one axis, and one direction"));
         }
         let (option, remedy) = match FileFormat::of(file)? {
             FileFormat::Scene | FileFormat::Gltf if color.is_some() => {
@@ -179,6 +184,9 @@ impl InputOptions {
                     && matches!(self.background, Some(Background::Color(_))) =>
             {
                 ("--background", "leave it out: the environment is seen")
+            }
+            FileFormat::Scene if self.lights_stay => {
+                ("--lights-stay", "leave it out: the lights of a scene stay")
             }
             FileFormat::Scene if lights.is_some() => {
                 ("--lights", "leave it out, and change \"lightsources\" in the scene")
@@ -231,7 +239,7 @@ fn point(text: &str) -> std::result::Result<DVec3, String> {
     let greatest = f64::from(MAX_COORDINATE);
     numbers(text)
         .map(DVec3::from_array)
-        .filter(|point| point.abs().max_element() <= greatest)
+        .filter(|point| point.is_finite() && point.abs().max_element() <= greatest)
         .ok_or_else(|| format!("write three numbers, such as 0,1.5,4; at most {greatest:e}"))
 }
 

@@ -48,8 +48,8 @@ const OPENING: Duration = Duration::from_secs(60);
 
 /// Look at a scene, a glTF file or a mesh in a browser: find the camera, and see what accuracy costs.
 ///
-/// The page shows the file from anywhere, with the time, the error and the effects of its image. It gives the scene file
-/// and the command for what it shows. Ctrl-C ends it.
+/// The page shows the file from anywhere, with the time, the error and the effects of its image. It gives the command that
+/// renders what it shows. Ctrl-C ends it.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ViewArgs {
     /// Scene (.json), glTF file (.gltf, .glb) or mesh (.ply, .obj, .stl)
@@ -96,6 +96,10 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     args.scene_options.input.check(&args.scene)?;
     // Before a server is started and a browser opened.
     read::open(&args.scene).map_err(|e| Error::io("cannot read the scene", &args.scene, e))?;
+    if args.scene_options.input.turntable.is_some() {
+        let error = Error::new(ErrorKind::Usage, "a page shows no turntable");
+        return Err(error.remedy("leave out --turntable, and turn it yourself"));
+    }
     if args.scene_options.input.is_transparent() {
         let error = Error::new(ErrorKind::Usage, "a page shows no transparent background");
         return Err(error.remedy("leave out --background, or use a colour"));

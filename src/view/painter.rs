@@ -5,6 +5,7 @@
 //! precision than the command's searches the scene that was prepared for that.
 
 mod messages;
+mod preparing;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -13,13 +14,12 @@ use serde_json::{Value, json};
 
 use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
-use super::ready::{Ready, check_size};
+use super::ready::Ready;
 use super::refine::{HalfRender, Tried, Work, figures_of, rays};
 use super::request::{Half, Request, Shown};
 use super::showing::Showing;
 use super::steering::Steering;
 use super::take_away::TakeAway;
-use crate::input::Upward;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::probe;
@@ -28,6 +28,7 @@ use wavecrest_core::render::work::RenderWork;
 use wavecrest_image::farm::{Author, Pass, Passes};
 use wavecrest_image::look;
 use wavecrest_scene::components::View;
+use wavecrest_scene::load::LoadedScene;
 
 /// Seconds of a frame while something moves, with some left for what moves it.
 const FRAME: f64 = 0.9 / 15.0;
@@ -40,6 +41,10 @@ const STRIDE: f64 = 0.2;
 /// How long the rays of a pixel are followed, and how many with points on lights, so that an answer takes twice as long.
 const PROBE: Duration = Duration::from_millis(100);
 const PROBED: u32 = 4096;
+
+/// The most triangles of a file whose added lights follow the camera from the start: the scene is prepared again wherever that
+/// rests, which takes a third of a second for so many on two cores.
+const MOST_FOLLOWED: usize = 1 << 21;
 
 /// The scene, where it is seen from, and what is shown of it.
 pub(super) struct Painter<'a> {
@@ -66,12 +71,16 @@ pub(super) struct Painter<'a> {
 /// If it cannot be loaded or prepared, or an image can no longer be decoded.
 pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) -> Result<()> {
     let input = &args.scene_options.input;
-    let up = match input.up {
-        Some(Upward::Axis(axis)) => Some(axis),
-        _ => None,
-    };
+    let up = input.axis();
     let (look, stays) = (args.look, input.lights_stay);
-    let first = |size| Shown { size, look, up, stays, exposure: 0.0, transfer: None };
+    let first = |loaded: &LoadedScene, size| Shown {
+        size,
+        look,
+        up,
+        stays: stays || loaded.triangles() > MOST_FOLLOWED,
+        exposure: 0.0,
+        transfer: None,
+    };
     let (ready, view, shown) = Ready::open(args, exchange, first)?;
     let half = Half::of_file(args.scene_options.precision, args.tracer, ready.rays());
     let mut painter = Painter {
@@ -146,47 +155,9 @@ impl<'a> Painter<'a> {
         if self.steering.view == before {
             return Ok(false);
         }
-        self.tried = Tried::default();
-        self.exchange.withdraw(Kind::Probe);
-        self.exchange.withdraw(Kind::Chart);
+        self.exchange.withdraw(Kind::Error);
         self.restart();
         Ok(true)
-    }
-
-    /// Shows the file so from now on; returns whether the image changes.
-    fn show_as(&mut self, shown: Shown) -> Result<bool> {
-        let size = shown.size;
-        if shown == self.shown || !shown.is_valid() || check_size(&self.args, size).is_err() {
-            return Ok(false);
-        }
-        let before = std::mem::replace(&mut self.shown, shown);
-        let is_shown = match before.up == shown.up {
-            true => before == Shown { size: before.size, ..shown } || self.prepare_again(),
-            false => self.open_again(),
-        };
-        if !is_shown {
-            self.shown = before;
-            return Ok(false);
-        }
-        self.steering.resize(size);
-        if shown.look.is_some() {
-            self.halves.truncate(1);
-        }
-        self.tried = Tried::default();
-        self.exchange.withdraw(Kind::Chart);
-        self.restart();
-        Ok(true)
-    }
-
-    /// Reads the file once more, for another axis that is up.
-    fn open_again(&mut self) -> bool {
-        let mut args = self.args.clone();
-        args.scene_options.input.up = self.shown.up.map(Upward::Axis);
-        let shown = self.shown;
-        let opened = Ready::open(&args, self.exchange, |_| shown).map(|(ready, view, _)| {
-            (self.ready, self.steering, self.args) = (ready, Steering::new(view), args);
-        });
-        self.say(opened)
     }
 
     /// Renders these halves from now on. What is finished of one that stays is kept.
@@ -213,32 +184,13 @@ impl<'a> Painter<'a> {
         self.send_figures();
     }
 
-    /// Prepares the scene once more: shown otherwise, or because the camera or its lights are not where it was prepared for.
-    fn prepare_again(&mut self) -> bool {
-        let Self { exchange, shown, .. } = *self;
-        let view = self.steering.view;
-        let prepared = self.ready.prepare_again(&self.args, exchange, &shown, view);
-        self.say(prepared)
-    }
-
-    /// Tells pages what is prepared, or why nothing is: they show the error above the image that they have. Returns whether
-    /// it is.
-    fn say(&mut self, prepared: Result<()>) -> bool {
-        match &prepared {
-            Ok(()) => {
-                self.exchange.withdraw(Kind::Error);
-                self.send_plan();
-            }
-            Err(error) => self.exchange.send_error(error),
-        }
-        prepared.is_ok()
-    }
-
     /// Forgets what was rendered for another camera.
     fn restart(&mut self) {
-        self.progress = Default::default();
+        (self.progress, self.tried) = Default::default();
         self.figures[1] = Value::Null;
-        self.exchange.withdraw(Kind::Second);
+        for kind in [Kind::Second, Kind::Probe, Kind::Chart] {
+            self.exchange.withdraw(kind);
+        }
         self.exchange.board.send_modify(|board| board.image = None);
         self.send_state();
     }
@@ -251,7 +203,7 @@ impl<'a> Painter<'a> {
         if let Some(half) = figures["halves"].get_mut(index) {
             (half["next"], half["rests"]) = (json!(words), json!(false));
         }
-        let developed = (self.shown.develop(), self.ready.transfer);
+        let developed = (self.shown.develop(), self.ready.transfer(&self.shown));
         Showing::new(self.exchange, index, size, developed, moves, figures)
     }
 
@@ -278,7 +230,8 @@ impl<'a> Painter<'a> {
     /// Renders with more and more samples; returns whether all is finished.
     fn refine(&mut self) -> Result<bool> {
         if !self.ready.fits(&self.args, &self.shown, &self.steering.view) {
-            self.prepare_again();
+            let is_ready = self.prepare_again();
+            self.ready.failed = Some(self.steering.view).filter(|_| !is_ready);
         }
         for index in 0..self.halves.len() {
             while !self.progress[index].as_ref().is_some_and(HalfRender::is_finished) {

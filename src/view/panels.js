@@ -3,7 +3,9 @@
   // What is shown of the file.
   const settings = find("settings").elements;
   const SIZES = [[1280, 720], [1920, 1080], [3840, 2160]];
+  let wanted = {};
   function showSettings() {
+    wanted = { ...state.shown };
     const { shown, own_size: own, looks, transfers, ups } = state;
     const inWindow = freeRoom().map((length) => Math.max(1, Math.round(length * devicePixelRatio)));
     const sizes = new Map([...SIZES.map((size) => [size, ""]), [shown.size, ""], [inWindow, ", as this window"], [own, ", as given"]]
@@ -20,7 +22,9 @@
   }
   const READ = { size: (text) => text.split("x").map(Number), stays: (text) => text !== "", exposure: (text) => Math.max(-64, Math.min(64, Number(text))) };
   find("settings").addEventListener("change", ({ target: { name, value } }) => {
-    send({ do: "show", ...state.shown, [name]: (READ[name] ?? ((text) => text || null))(value) });
+    // Of changes that the server has not answered yet none is lost.
+    wanted[name] = (READ[name] ?? ((text) => text || null))(value);
+    send({ do: "show", ...wanted });
   });
 
   // What accuracy costs: the settings of the halves.

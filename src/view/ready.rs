@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 
 use super::ViewArgs;
 use super::exchange::Exchange;
@@ -23,7 +23,7 @@ use wavecrest_core::prepared::{Appearance, Original, PreparedScene, Samples};
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_image::write::Transfer;
 use wavecrest_scene::components::{Encoding, View};
-use wavecrest_scene::load::LoadedScene;
+use wavecrest_scene::load::{LightFrame, LoadedScene};
 use wavecrest_scene::systems::{bounds, frame, free_camera, looks};
 
 /// The most pixels of an image, and the longest side: that of a JPEG.
@@ -42,14 +42,14 @@ pub(super) struct Ready {
     /// The camera and the lights of the file.
     camera: Camera,
     original: Original,
-    /// The transfer curve of what is shown.
-    pub(super) transfer: Transfer,
+    /// The transfer curve of the file.
+    transfer: Transfer,
     /// The box around everything.
     pub(super) ends: [DVec3; 2],
-    /// The frame of added lights as they were prepared, if they can follow.
-    lit: Option<DAffine3>,
+    /// What decided on added lights as they were prepared.
+    lit: Option<LightFrame>,
     /// The view for which it could not be prepared again.
-    failed: Option<View>,
+    pub(super) failed: Option<View>,
 }
 
 /// Prepares a copy of what was `loaded` for a camera that goes anywhere, from its own view or from this one, with its lights
@@ -60,7 +60,7 @@ fn session(
     loaded: &LoadedScene,
     (shown, view): (&Shown, Option<View>),
     building: impl FnOnce(),
-) -> Result<(Session, View, Option<DAffine3>)> {
+) -> Result<(Session, View, Option<LightFrame>)> {
     let mut copy = loaded.clone();
     let view = free_camera(&mut copy.world, view)?;
     let lit_for = loaded.usual_view().filter(|_| shown.stays).unwrap_or(view);
@@ -76,6 +76,12 @@ fn session(
         Ok(())
     })?;
     Ok((session, view, loaded.light_frame(lit_for)))
+}
+
+/// Lets go what is prepared before another scene is: two would take twice the memory.
+pub(super) fn release(scene: &mut PreparedScene) {
+    scene.accel = Accel::unbuilt(Geometry::default());
+    scene.appearance = Appearance::default();
 }
 
 /// Refuses an image of a size that is too large for a page.
@@ -99,16 +105,16 @@ impl Ready {
     pub(super) fn open(
         args: &ViewArgs,
         exchange: &Exchange,
-        shown: impl FnOnce([u32; 2]) -> Shown,
+        shown: impl FnOnce(&LoadedScene, [u32; 2]) -> Shown,
     ) -> Result<(Self, View, Shown)> {
         let _preparing = exchange.prepare();
         let loaded = Arc::new(args.scene_options.load(&args.scene)?);
         let size = loaded.view()?.placement().size;
         check_size(args, size)?;
-        let shown = shown(size);
+        let shown = shown(&loaded, size);
         let (mut session, view, lit) = session(args, &loaded, (&shown, None), || {})?;
         tell_all(&mut session.warnings, &mut session.notes, args.scene_options.quiet);
-        Ok((Self::of(session, loaded, lit, &shown), view, shown))
+        Ok((Self::of(session, loaded, lit), view, shown))
     }
 
     /// Prepares what was read once more: as it is `shown`, and for cameras around `view`.
@@ -123,15 +129,10 @@ impl Ready {
         view: View,
     ) -> Result<()> {
         let _preparing = exchange.prepare();
-        let PreparedScene { accel, appearance, .. } = &mut self.scene;
-        let session = session(args, &self.loaded, (shown, Some(view)), || {
-            // Two would take twice the memory.
-            *accel = Accel::unbuilt(Geometry::default());
-            *appearance = Appearance::default();
-        });
-        self.failed = session.is_err().then_some(view);
+        let Self { loaded, scene, .. } = self;
+        let session = session(args, loaded, (shown, Some(view)), || release(scene));
         let (session, _, lit) = session?;
-        *self = Self::of(session, Arc::clone(&self.loaded), lit, shown);
+        *self = Self::of(session, Arc::clone(&self.loaded), lit);
         Ok(())
     }
 
@@ -143,21 +144,20 @@ impl Ready {
         is_near && is_lit || self.failed == Some(*view)
     }
 
-    fn of(
-        session: Session,
-        loaded: Arc<LoadedScene>,
-        lit: Option<DAffine3>,
-        shown: &Shown,
-    ) -> Self {
+    fn of(session: Session, loaded: Arc<LoadedScene>, lit: Option<LightFrame>) -> Self {
         let Session { scene, preset, transfer, .. } = session;
-        let own = if transfer == Encoding::Srgb { Transfer::Srgb } else { Transfer::Linear };
-        // Other looks are encoded already.
-        let transfer =
-            if shown.is_lit() { shown.transfer.unwrap_or(own) } else { Transfer::Linear };
+        let is_srgb = transfer == Encoding::Srgb;
+        let transfer = if is_srgb { Transfer::Srgb } else { Transfer::Linear };
         let (camera, original) = (scene.camera, scene.original());
         let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
         let ends = ends.map(|end| end + scene.origin);
         Self { loaded, scene, preset, camera, original, lit, transfer, ends, failed: None }
+    }
+
+    /// The transfer curve of what is `shown`.
+    pub(super) fn transfer(&self, shown: &Shown) -> Transfer {
+        // Other looks are encoded already.
+        if shown.is_lit() { shown.transfer.unwrap_or(self.transfer) } else { Transfer::Linear }
     }
 
     /// Whether lights were added that can follow the camera.
@@ -205,7 +205,8 @@ impl Ready {
             if one.is_some() { placed.resampled(one, one) } else { half.camera(&placed) };
         let follows = draft.is_some_and(|shown| !shown.stays);
         let now = self.loaded.light_frame(*view).filter(|_| follows);
-        if let (Some(now), Some(lit)) = (now, self.lit) {
+        let place = |frame: Option<LightFrame>| frame.and_then(|frame| frame.place);
+        if let (Some(now), Some(lit)) = (place(now), place(self.lit)) {
             scene.move_lights(&(now * lit.inverse()));
         }
     }

@@ -81,6 +81,16 @@ impl Steering {
         &self.start
     }
 
+    /// Stays where another camera has been moved to, if it has.
+    pub(super) fn stay_at(&mut self, other: &Self) {
+        let place = |view: &View| (view.location, view.look, view.up);
+        if place(&other.view) != place(&other.start) {
+            let (location, look, up) = place(&other.view);
+            self.view = View { location, look, up, ..self.view };
+            (self.ahead, self.distance) = (other.ahead, other.distance);
+        }
+    }
+
     /// Gives the image another size, in pixels.
     pub(super) fn resize(&mut self, [width, height]: [u32; 2]) {
         for view in [&mut self.view, &mut self.start] {

@@ -12,10 +12,9 @@ use wavecrest_base::words;
 use wavecrest_image::write::png;
 use wavecrest_scene::components::View;
 use wavecrest_scene::load::FileFormat;
-use wavecrest_scene::load::framing::LookAt;
 
 /// Options on what is read, with whether each has a value: the commands have them as they were given.
-const OF_FILE: [(&str, bool); 11] = [
+const OF_FILE: [(&str, bool); 10] = [
     ("--allow-outside", false),
     ("--background", true),
     ("--camera", true),
@@ -25,13 +24,12 @@ const OF_FILE: [(&str, bool); 11] = [
     ("--fit", true),
     ("--fov", true),
     ("--lights", true),
-    ("--strict", false),
     ("--view", true),
 ];
 /// Those of where the camera is, until it is moved; of its samples, until others are chosen; and of the image alone.
 const OF_CAMERA: [(&str, bool); 2] = [("--from", true), ("--at", true)];
 const OF_SAMPLES: [(&str, bool); 2] = [("--samples", true), ("--sampler", true)];
-const OF_IMAGE: [(&str, bool); 1] = [("--seed", true)];
+const OF_IMAGE: [(&str, bool); 3] = [("--flatten", false), ("--seed", true), ("--strict", false)];
 
 /// The file that is shown, and the words of the command that shows it.
 pub(super) struct TakeAway {
@@ -52,7 +50,7 @@ impl TakeAway {
     /// The name of what is saved or written, after that of the file.
     pub(super) fn named(&self, extension: &str) -> String {
         let name = PathBuf::from(self.file.file_name().unwrap_or_default());
-        name.with_extension(extension).to_string_lossy().into_owned()
+        unlike_an_option(name.with_extension(extension).to_string_lossy().into_owned())
     }
 
     /// The file with this name that can be saved, once the image is whole: its media type, and its bytes.
@@ -63,24 +61,24 @@ impl TakeAway {
     }
 
     /// The commands that render the image of `half` from `view`, and write the scene of it. Before it was moved, the camera
-    /// was at `start`.
+    /// was at `start`, with this direction up if one is given.
     pub(super) fn commands(
         &self,
         half: &Half,
         shown: &Shown,
-        [start, view]: [&View; 2],
+        ([start, view], direction): ([&View; 2], Option<DVec3>),
     ) -> [String; 2] {
-        let file = self.file.to_string_lossy().into_owned();
+        let file = unlike_an_option(self.file.to_string_lossy().into_owned());
         let command = |words: [&str; 2]| words.map(str::to_owned).into_iter();
         let mut of_file = self.given(&OF_FILE);
+        of_file.extend(shown.up.iter().flat_map(|up| command(["--up", up.name()])));
         if is_same(start, view) {
             of_file.extend(self.given(&OF_CAMERA));
-            of_file
-                .extend(self.given(&[("--up", true)]).into_iter().filter(|_| shown.up.is_none()));
+            of_file.extend(direction.iter().flat_map(|up| option("--up", *up)));
         } else {
-            of_file.extend(placed(start, view));
+            let places = [("--from", view.location), ("--at", view.look), ("--up", view.up)];
+            of_file.extend(places.into_iter().flat_map(|(name, place)| option(name, place)));
         }
-        of_file.extend(shown.up.iter().flat_map(|up| command(["--up", up.name()])));
         of_file.extend(shown.stays.then(|| "--lights-stay".to_owned()));
         let [width, height] = shown.size;
         of_file.extend(command(["--size", &format!("{width}x{height}")]));
@@ -105,6 +103,7 @@ impl TakeAway {
         let convert = ["wavecrest".to_owned(), "convert".to_owned(), file, self.named("view.json")];
         // A scene file may name images anywhere, and they are on the page.
         let outside = self.is_scene().then(|| "--allow-outside".to_owned());
+        let outside = outside.filter(|option| !of_file.contains(option));
         [
             words::command(render.into_iter().chain(of_file.clone()).chain(of_image)),
             words::command(convert.into_iter().chain(of_file).chain(outside)),
@@ -132,15 +131,12 @@ fn is_same(a: &View, b: &View) -> bool {
     (a.location, a.look, a.up) == (b.location, b.look, b.up)
 }
 
-/// The options that take a camera from its `start` to a view.
-fn placed(start: &View, view: &View) -> Vec<String> {
-    let numbers = |DVec3 { x, y, z }: DVec3| format!("{x},{y},{z}");
-    let option = |name: &str, point: DVec3| [name.to_owned(), numbers(point)];
-    let mut options = [option("--from", view.location), option("--at", view.look)].concat();
-    let look_at = LookAt { eye: view.location, target: Some(view.look), up: None };
-    let mut usual = *start;
-    if look_at.place(&mut usual).is_err() || usual.up != view.up {
-        options.extend(option("--up", view.up));
-    }
-    options
+/// An option with a place or a direction.
+fn option(name: &str, DVec3 { x, y, z }: DVec3) -> [String; 2] {
+    [name.to_owned(), format!("{x},{y},{z}")]
+}
+
+/// A path that no command takes for an option.
+fn unlike_an_option(path: String) -> String {
+    if path.starts_with('-') { format!("./{path}") } else { path }
 }

@@ -14,7 +14,6 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use glam::DAffine3;
 use hecs::World;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
@@ -24,7 +23,7 @@ use wavecrest_base::replace::check_differs;
 
 use super::camera;
 pub use super::camera::LONGEST_SIDE;
-use super::components::{Encoding, Environment, JsonPath, Name, Settings, View};
+use super::components::{Encoding, Environment, JsonPath, Mesh, Name, Settings, View};
 use super::folder::Folder;
 use super::format::{Cursor, Notes, Place, json};
 use super::gltf;
@@ -32,6 +31,7 @@ use super::mesh::{self, LoadedMesh, MeshData};
 pub use super::options::{LoadOptions, MOST_SAMPLES, antialias, framing, lighting};
 use super::query;
 use super::scene_file;
+pub use super::staging::LightFrame;
 use super::staging::Staged;
 
 /// Largest length of a scene file in bytes, 256 MiB. While it is read, JSON takes up to 25 times
@@ -199,6 +199,11 @@ impl LoadedScene {
         query::settings(&self.world).map_or_else(|_| Encoding::default(), |all| all.transfer)
     }
 
+    /// The number of triangles of its meshes, each counted once.
+    pub fn triangles(&self) -> usize {
+        self.world.query::<&Mesh>().iter().map(|mesh| mesh.data.triangles.len()).sum()
+    }
+
     /// The view of the camera.
     ///
     /// # Errors
@@ -212,10 +217,9 @@ impl LoadedScene {
         Staged::of(&self.world).map(|staged| staged.usual())
     }
 
-    /// The frame that added lights for this view move with: they are to be added again if it is another. `None` without
-    /// such lights.
-    pub fn light_frame(&self, view: View) -> Option<DAffine3> {
-        Staged::of(&self.world)?.frame(view)
+    /// What decides on added lights for this view: they are to be added again if it is another. `None` without such lights.
+    pub fn light_frame(&self, view: View) -> Option<LightFrame> {
+        Staged::of(&self.world).map(|staged| staged.frame(view))
     }
 
     /// Adds lights for this view in place of those that were added before, unless the file has its own.

@@ -29,6 +29,7 @@ use crate::systems::cutouts::{Masks, left};
 use wavecrest_base::parallel;
 
 pub(crate) use camera::{Framed, framed, view};
+pub use follow::LightFrame;
 pub(crate) use follow::Staged;
 use grid::Grid;
 pub(crate) use light::{MOST_LAMPS, allow_for_surfaces, light, settings, surround};

@@ -30,8 +30,13 @@ impl Painter<'_> {
 
     pub(super) fn send_state(&self) {
         let view = &self.steering.view;
-        let commands =
-            self.take_away.commands(&self.halves[0], &self.shown, [self.steering.start(), view]);
+        let commands = self.take_away.commands(
+            &self.halves[0],
+            &self.shown,
+            ([self.steering.start(), view], self.args.scene_options.input.direction()),
+        );
+        // A scene, and a camera by its name, have their own.
+        let has_axis = self.take_away.is_scene() || self.args.scene_options.input.camera.is_some();
         let state = json!({
             "kind": "state",
             "file": self.args.scene.file_name().unwrap_or_default().to_string_lossy(),
@@ -41,7 +46,7 @@ impl Painter<'_> {
             "own_size": self.own_size,
             "looks": Look::ALL,
             "transfers": Transfer::ALL,
-            "ups": if self.take_away.is_scene() { &[][..] } else { &Up::ALL },
+            "ups": if has_axis { &[][..] } else { &Up::ALL },
             "follows": self.ready.has_added_lights(),
             "camera": {"location": view.location.to_array(), "look": view.look.to_array(), "up": view.up.to_array(), "fov": view.fov_degrees},
             "commands": commands,

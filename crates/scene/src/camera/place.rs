@@ -28,7 +28,10 @@ pub(crate) fn change(world: &mut World, options: &LoadOptions) -> Result<bool> {
         view.sampling = sampling;
         if let Some(lens) = lens {
             (lens.sampling, lens.samples_x, lens.samples_y) = (sampling, 1, 1);
-            view.sampling = beside_lens(sampling);
+            // A pinhole's are as they are asked for, also if it is a lens without an aperture.
+            if lens.aperture > 0.0 {
+                view.sampling = beside_lens(sampling);
+            }
         }
     }
     let Some(look_at) = &options.look_at else { return Ok(false) };

@@ -6,6 +6,7 @@ use std::path::Path;
 use glam::DAffine3;
 use hecs::{Entity, Or, Satisfies, World};
 
+use super::ground::is_above;
 use super::light::{allow_for_surfaces, axes, rig, room_lamp};
 use super::{Framed, Scenery, VisibleMesh};
 use crate::components::{
@@ -27,6 +28,17 @@ pub(crate) struct Staged {
     pub(super) lit: View,
     /// The box around everything.
     pub(super) ends: Ends,
+    /// The height of a ground along up.
+    pub(super) height: Option<f64>,
+}
+
+/// What decides on added lights for a view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightFrame {
+    /// What they move with; `None` if they are the same everywhere nearby.
+    pub place: Option<DAffine3>,
+    /// Whether there is a ground.
+    has_ground: bool,
 }
 
 impl Staged {
@@ -40,8 +52,14 @@ impl Staged {
         self.framed.view
     }
 
-    /// The frame that lights for this view move with; `None` if they are the same everywhere nearby.
-    pub(crate) fn frame(&self, view: View) -> Option<DAffine3> {
+    /// What decides on the lights for this view.
+    pub(crate) fn frame(&self, view: View) -> LightFrame {
+        let up = self.framed.up;
+        let has_ground = self.height.is_some_and(|height| is_above(height, up, view.location));
+        LightFrame { place: self.place(view), has_ground }
+    }
+
+    fn place(&self, view: View) -> Option<DAffine3> {
         let framed = Framed { view, ..self.framed.clone() };
         match self.lighting.rig {
             Rig::Studio if room_lamp(&framed, &self.ends).is_some() => None,

@@ -30,7 +30,7 @@ const SIDES: u32 = 8;
 
 /// Adds the ground below everything, along these axes to the right, up, and back, to the `world`. It
 /// matches the background `colors.0` under the lamps and a sky that sends it `colors.1`. There is
-/// none if the camera would be below it, or too much of it too far out.
+/// none if the camera would be below it, or too much of it too far out. Returns its height along up, unless there is nothing.
 pub(super) fn spawn(
     world: &mut World,
     contents: &Scenery<'_>,
@@ -38,13 +38,13 @@ pub(super) fn spawn(
     axes: &DMat3,
     lamps: &[DirectionalLight],
     colors: (DVec3, DVec3),
-) {
+) -> Option<f64> {
     let (up, into) = (axes.y_axis, axes.transpose());
-    let Some(ends) = contents.extent(|point| into * point) else { return };
+    let Some(ends) = contents.extent(|point| into * point) else { return None };
     let height = ends[0].y - GAP * contents.sphere.radius;
     let keys = framed.path.iter().flat_map(|path| path.keys.iter().map(|key| key.location));
-    if keys.chain([framed.view.location]).any(|location| location.dot(up) <= height) {
-        return;
+    if !keys.chain([framed.view.location]).all(|location| is_above(height, up, location)) {
+        return Some(height);
     }
     let BoundingSphere { center, radius } = contents.sphere;
     // Far from the origin single precision would round the gap away.
@@ -55,7 +55,7 @@ pub(super) fn spawn(
         hull(shadows(lamps, axes, ends, height)).into_iter().map(point).collect();
     let is_within = |p: &Vec3| p.abs().max_element() < MAX_COORDINATE;
     if corners.len() < 3 || !corners.iter().all(is_within) {
-        return;
+        return Some(height);
     }
     let arriving: DVec3 = lamps.iter().map(|lamp| lamp.color * mean_cosine(lamp, up)).sum();
     let material = Material { diffuse_color: colors.0 / (arriving + colors.1), ..Material::MATTE };
@@ -76,6 +76,12 @@ pub(super) fn spawn(
         ground.add(Transform(DAffine3::from_translation(origin)));
     }
     world.spawn(ground.build());
+    Some(height)
+}
+
+/// Whether a camera is above a ground at this height along `up`.
+pub(super) fn is_above(height: f64, up: DVec3, location: DVec3) -> bool {
+    location.dot(up) > height
 }
 
 /// Points around all shadows that a box casts on the plane at this height, to the right and back.

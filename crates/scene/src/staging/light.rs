@@ -89,20 +89,21 @@ pub(crate) fn light(
     file: &Path,
     lighting: &Lighting,
 ) -> (Settings, &'static str) {
-    let (framed_so, lit) = (framed.clone(), framed.view);
-    let staged = Staged { framed: framed_so, lighting: *lighting, lit, ends: contents.ends };
+    let (settings, told, height) = rig(world, contents, framed, file, lighting);
+    let (own, lit) = (framed.clone(), framed.view);
+    let staged = Staged { framed: own, lighting: *lighting, lit, ends: contents.ends, height };
     world.spawn((staged,));
-    rig(world, contents, framed, file, lighting)
+    (settings, told)
 }
 
-/// As [`light`], without a memory of it.
+/// As [`light`], without a memory of it; also returns the height of the ground along up.
 pub(super) fn rig(
     world: &mut World,
     contents: &Scenery<'_>,
     framed: &Framed,
     file: &Path,
     lighting: &Lighting,
-) -> (Settings, &'static str) {
+) -> (Settings, &'static str, Option<f64>) {
     let background = lighting.background.map_or(LIGHT, Background::color);
     let distance = Some(contents.sphere.radius * NEAR);
     let under = |world: &mut World, [sky, ground]: [DVec3; 2], up, samples| {
@@ -112,12 +113,12 @@ pub(super) fn rig(
         settings_of(file, background, 0.0)
     };
     match lighting.rig {
-        Rig::None => (under(world, [DVec3::ONE; 2], framed.up, 0), "unlit colours"),
+        Rig::None => (under(world, [DVec3::ONE; 2], framed.up, 0), "unlit colours", None),
         Rig::Studio => {
             if let Some(corners) = room_lamp(framed, &contents.ends) {
                 world.spawn(ceiling(corners));
                 let settings = under(world, ROOM, framed.up, SKY_SAMPLES);
-                return (settings, "a light under the ceiling is added");
+                return (settings, "a light under the ceiling is added", None);
             }
             let axes = axes(framed);
             let lamps = STUDIO.map(|(_, lamp)| {
@@ -126,21 +127,26 @@ pub(super) fn rig(
             });
             let leaning = axes * LEANING;
             // On a transparent background there is nothing to darken.
-            if lighting.background != Some(Background::Transparent) {
-                let colors = (background, from_sky(SKY, leaning, framed.up));
-                ground::spawn(world, contents, framed, &axes, &lamps, colors);
-            }
+            let has_ground = lighting.background != Some(Background::Transparent);
+            let colors = (background, from_sky(SKY, leaning, framed.up));
+            let height = has_ground
+                .then(|| ground::spawn(world, contents, framed, &axes, &lamps, colors))
+                .flatten();
             for (((name, _), light), order) in STUDIO.into_iter().zip(lamps).zip(0..) {
                 world.spawn((Order(order), JsonPath(name.to_owned()), light));
             }
-            (under(world, SKY, leaning, SKY_SAMPLES), "studio lights and a ground are added")
+            (
+                under(world, SKY, leaning, SKY_SAMPLES),
+                "studio lights and a ground are added",
+                height,
+            )
         }
         Rig::Headlight => {
             let (intensity, position) = (1.0, framed.view.location);
             let lamp = PointLight { intensity, position, color: HEADLIGHT, falloff: Falloff::None };
             world.spawn((Order(0), JsonPath("the light".to_owned()), lamp));
             let light = if framed.lamp.is_some() { ROOM } else { SKY };
-            (under(world, light, framed.up, 0), "a light at the camera and a sky are added")
+            (under(world, light, framed.up, 0), "a light at the camera and a sky are added", None)
         }
     }
 }
