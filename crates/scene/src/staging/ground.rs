@@ -40,7 +40,7 @@ pub(super) fn spawn(
     colors: (DVec3, DVec3),
 ) -> Option<f64> {
     let (up, into) = (axes.y_axis, axes.transpose());
-    let Some(ends) = contents.extent(|point| into * point) else { return None };
+    let ends = contents.extent(|point| into * point)?;
     let height = ends[0].y - GAP * contents.sphere.radius;
     let keys = framed.path.iter().flat_map(|path| path.keys.iter().map(|key| key.location));
     if !keys.chain([framed.view.location]).all(|location| is_above(height, up, location)) {
