@@ -300,7 +300,7 @@ class Wavecrest(unittest.TestCase):
         self.assert_refused('found "sideways"', VERTICES, FACES, view="sideways")
         self.assert_refused("background: must be three numbers from 0 to 2^40, or a text, found (1, 2)", VERTICES, FACES,
                             background=(1, 2))
-        self.assert_refused('background: use transparent, or six hexadecimal digits such as #ffffff, found "red"',
+        self.assert_refused('background: use transparent, three numbers from 0 to 1, such as 1,0.5,0, or six hexadecimal digits, such as #ff8000, found "red"',
                             VERTICES, FACES, background="red")
         self.assert_refused("samples: must be a whole number from 1 to 4096, found 0", SCENE, samples=0)
         self.assert_refused("time_budget: must be a finite number above 0, found -1", SCENE, time_budget=-1)
