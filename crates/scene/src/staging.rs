@@ -17,7 +17,7 @@ mod upward;
 
 use std::borrow::Cow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DAffine3, DVec3, Vec3};
 
@@ -113,9 +113,9 @@ pub(crate) struct MeshInstance<'a> {
     pub(crate) points: &'a [Vec3],
     pub(crate) triangles: &'a [[u32; 3]],
     pub(crate) world: DAffine3,
-    /// The visible points, a bit each, unless all are: those that no triangle with an area uses are
+    /// Whether each point is visible, unless all are: those that no triangle with an area uses are
     /// not, nor those of stray parts. Without triangles all count.
-    seen: Option<Arc<Vec<AtomicU64>>>,
+    seen: Option<Arc<Vec<AtomicBool>>>,
 }
 
 impl<'a> MeshInstance<'a> {
@@ -123,44 +123,42 @@ impl<'a> MeshInstance<'a> {
         Self { points, triangles, world, seen: shown(points, triangles, |_| true) }
     }
 
+    /// A point in the file.
+    fn point(&self, i: usize) -> DVec3 {
+        self.world.transform_point3(self.points[i].as_dvec3())
+    }
+
     /// The corners of a triangle in the file.
     fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
-        triangle.map(|i| self.world.transform_point3(self.points[i as usize].as_dvec3()))
+        triangle.map(|i| self.point(i as usize))
     }
 }
 
 /// Points or triangles that a thread takes at once.
 const BLOCK: usize = 1 << 12;
 
-/// Whether a bit is set.
-fn is_set(bits: &[AtomicU64], i: usize) -> bool {
-    bits[i / 64].load(Ordering::Relaxed) >> (i % 64) & 1 == 1
-}
-
-/// Which of the `points` are corners of a triangle with an area that `is` holds for, a bit each;
-/// `None` if all are, or there are no triangles.
+/// Which of the `points` are corners of a triangle with an area that `is` holds for; `None` if all are,
+/// or there are no triangles.
 fn shown(
     points: &[Vec3],
     triangles: &[[u32; 3]],
     is: impl Fn([u32; 3]) -> bool + Sync,
-) -> Option<Arc<Vec<AtomicU64>>> {
-    let seen: Vec<AtomicU64> = (0..points.len().div_ceil(64)).map(|_| AtomicU64::new(0)).collect();
+) -> Option<Arc<Vec<AtomicBool>>> {
+    let seen: Vec<AtomicBool> = points.iter().map(|_| AtomicBool::new(false)).collect();
     let add = |triangle: &[u32; 3]| {
         // Reads are cheaper, and most triangles have no corner that is the first at its point.
         let corners = triangle.map(|i| i as usize);
-        if corners.iter().all(|&i| is_set(&seen, i)) {
+        if corners.iter().all(|&i| seen[i].load(Ordering::Relaxed)) {
             return;
         }
         let [a, b, c] = corners.map(|i| points[i].as_dvec3());
         if (b - a).cross(c - a) != DVec3::ZERO && is(*triangle) {
-            for i in corners {
-                seen[i / 64].fetch_or(1 << (i % 64), Ordering::Relaxed);
-            }
+            corners.into_iter().for_each(|i| seen[i].store(true, Ordering::Relaxed));
         }
     };
     parallel::each(triangles.chunks(BLOCK), |triangles| triangles.iter().for_each(add));
-    let count: u32 = seen.iter().map(|word| word.load(Ordering::Relaxed).count_ones()).sum();
-    (!triangles.is_empty() && (count as usize) < points.len()).then(|| Arc::new(seen))
+    let is_every_one = || seen.iter().all(|one| one.load(Ordering::Relaxed));
+    (!triangles.is_empty() && !is_every_one()).then(|| Arc::new(seen))
 }
 
 /// Everything visible in a file.
@@ -226,7 +224,7 @@ impl<'a> Scenery<'a> {
         });
         parallel::with_state(blocks, none, |own, (instance, (first, points))| {
             for (i, point) in (first..).zip(points) {
-                if instance.seen.as_ref().is_none_or(|seen| is_set(seen, i)) {
+                if instance.seen.as_ref().is_none_or(|seen| seen[i].load(Ordering::Relaxed)) {
                     add(own, instance.world.transform_point3(point.as_dvec3()));
                 }
             }

@@ -52,7 +52,11 @@ pub(super) fn position(
     // The planes of one pair touch points and fix the camera; those of the other leave it free.
     let free = usize::from(right + left >= (up + down) * across / along);
     for _ in 0..CENTRED {
+        let before = position[free];
         position[free] = centred(contents, &into, &position, free);
+        if position[free] == before {
+            break;
+        }
     }
     Some(*axes * position)
 }
