@@ -136,6 +136,11 @@ impl<'a> MeshInstance<'a> {
 
 /// Points or triangles that a thread takes at once.
 const BLOCK: usize = 1 << 12;
+/// One of so many points is enough to tell about where the outermost are.
+const SAMPLED: usize = 1 << 8;
+/// Width that is added to boxes, as a share of the largest coordinate: far above the rounding errors of
+/// what is computed for their corners.
+const MARGIN: f64 = 1e-6;
 
 /// Which of the `points` are corners of a triangle with an area that `is` holds for; `None` if all are,
 /// or there are no triangles.
@@ -164,6 +169,8 @@ fn shown(
 /// Everything visible in a file.
 pub(crate) struct Scenery<'a> {
     pub(crate) all: Vec<MeshInstance<'a>>,
+    /// The ends of the boxes around the visible points of each block.
+    boxes: Vec<Ends>,
     /// The ends of the box around all points; infinite without points.
     ends: Ends,
     /// The sphere around the centre of that box; without points of radius 1 around the origin.
@@ -175,7 +182,7 @@ pub(crate) struct Scenery<'a> {
 impl<'a> Scenery<'a> {
     pub(crate) fn new(all: Vec<MeshInstance<'a>>) -> Self {
         let sphere = BoundingSphere { center: DVec3::ZERO, radius: 1.0 };
-        let mut contents = Self { all, ends: EMPTY, sphere, strays: 0 };
+        let mut contents = Self { all, boxes: vec![], ends: EMPTY, sphere, strays: 0 };
         contents.measure();
         contents.strays = strays::hide(&mut contents);
         if contents.strays > 0 {
@@ -186,12 +193,18 @@ impl<'a> Scenery<'a> {
 
     /// Finds the box and the sphere.
     fn measure(&mut self) {
-        let Some([low, high]) = self.extent(|point| point) else { return };
+        let around =
+            |block: Block<'_>| block.visible(1).fold(EMPTY, |ends, p| joined(ends, [p; 2]));
+        self.boxes = parallel::map(self.blocks(), around);
+        let [low, high] = self.boxes.iter().copied().fold(EMPTY, joined);
+        if !(low.is_finite() && high.is_finite()) {
+            return;
+        }
+        self.ends = [low, high];
         let center = (low + high) / 2.0;
-        let radius = self.reduce(0.0, |point| point.distance(center), f64::max);
+        let radius = self.outermost(0.0, |point| point.distance(center), f64::max);
         // A single point has no extent; it is seen from one unit away.
         self.sphere = BoundingSphere { center, radius: if radius > 0.0 { radius } else { 1.0 } };
-        self.ends = [low, high];
     }
 
     /// Points all over an image, with normals of any length; none if it takes too long.
@@ -216,25 +229,68 @@ impl<'a> Scenery<'a> {
         none: impl Fn() -> T + Sync,
         add: impl Fn(&mut T, DVec3) + Sync,
     ) -> Vec<T> {
-        let blocks = self.all.iter().flat_map(|instance| {
-            (0..)
-                .step_by(BLOCK)
-                .zip(instance.points.chunks(BLOCK))
-                .map(move |block| (instance, block))
-        });
-        parallel::with_state(blocks, none, |own, (instance, (first, points))| {
-            for (i, point) in (first..).zip(points) {
-                if instance.seen.as_ref().is_none_or(|seen| seen[i].load(Ordering::Relaxed)) {
-                    add(own, instance.world.transform_point3(point.as_dvec3()));
-                }
-            }
+        parallel::with_state(self.blocks(), none, |own, block| {
+            block.visible(1).for_each(|point| add(own, point));
         })
     }
 
-    /// The box around what `of` makes of all points; `None` without points.
+    /// As [`Self::reduce`], of what is nowhere in a box greater than at one of its corners: most blocks
+    /// are far inside, where nothing of their boxes is.
+    fn outermost<T: Copy + Send + Sync + PartialEq>(
+        &self,
+        none: T,
+        of: impl Fn(DVec3) -> T + Sync,
+        merge: impl Fn(T, T) -> T + Sync,
+    ) -> T {
+        let add = |own: T, point| merge(own, of(point));
+        let some = self.blocks().flat_map(|block| block.visible(SAMPLED)).fold(none, add);
+        let [low, high] = self.ends;
+        let margin = MARGIN * low.abs().max(high.abs()).max_element();
+        let blocks = self.blocks().zip(&self.boxes);
+        let found = parallel::with_state(
+            blocks,
+            || some,
+            |own, (block, [low, high])| {
+                let corners = bounds::corners([low - margin, high + margin]);
+                if corners.into_iter().any(|corner| add(*own, corner) != *own) {
+                    *own = block.visible(1).fold(*own, add);
+                }
+            },
+        );
+        found.into_iter().fold(some, merge)
+    }
+
+    /// The points in the order of the boxes around their blocks.
+    fn blocks(&self) -> impl Iterator<Item = Block<'_>> {
+        self.all.iter().flat_map(|instance| {
+            let starts = (0..instance.points.len()).step_by(BLOCK);
+            starts.map(move |first| Block { instance, first })
+        })
+    }
+
+    /// The box around what the linear `of` makes of all points; `None` without points.
     fn extent(&self, of: impl Fn(DVec3) -> DVec3 + Sync) -> Option<Ends> {
-        let ends = self.reduce(EMPTY, |point| [of(point); 2], joined);
+        let ends = self.outermost(EMPTY, |point| [of(point); 2], joined);
         ends.iter().all(|end| end.is_finite()).then_some(ends)
+    }
+}
+
+/// Points of an instance that a thread takes at once.
+#[derive(Clone, Copy)]
+struct Block<'a> {
+    instance: &'a MeshInstance<'a>,
+    first: usize,
+}
+
+impl<'a> Block<'a> {
+    /// The visible ones of every so many points, in the file.
+    fn visible(self, step: usize) -> impl Iterator<Item = DVec3> + 'a {
+        let Self { instance, first } = self;
+        let numbers = first..instance.points.len().min(first + BLOCK);
+        let is_seen = move |i: &usize| {
+            instance.seen.as_ref().is_none_or(|seen| seen[*i].load(Ordering::Relaxed))
+        };
+        numbers.step_by(step).filter(is_seen).map(move |i| instance.point(i))
     }
 }
 
