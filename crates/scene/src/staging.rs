@@ -17,7 +17,7 @@ mod upward;
 
 use std::borrow::Cow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DAffine3, DVec3, Vec3};
 
@@ -114,9 +114,9 @@ pub(crate) struct MeshInstance<'a> {
     pub(crate) points: &'a [Vec3],
     pub(crate) triangles: &'a [[u32; 3]],
     pub(crate) world: DAffine3,
-    /// The visible points, a bit each, unless all are: those that no triangle with an area uses are
+    /// Whether each point is visible, unless all are: those that no triangle with an area uses are
     /// not, nor those of stray parts. Without triangles all count.
-    seen: Option<Arc<Vec<AtomicU64>>>,
+    seen: Option<Arc<Vec<AtomicBool>>>,
 }
 
 impl<'a> MeshInstance<'a> {
@@ -124,49 +124,54 @@ impl<'a> MeshInstance<'a> {
         Self { points, triangles, world, seen: shown(points, triangles, |_| true) }
     }
 
+    /// A point in the file.
+    fn point(&self, i: usize) -> DVec3 {
+        self.world.transform_point3(self.points[i].as_dvec3())
+    }
+
     /// The corners of a triangle in the file.
     fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
-        triangle.map(|i| self.world.transform_point3(self.points[i as usize].as_dvec3()))
+        triangle.map(|i| self.point(i as usize))
     }
 }
 
 /// Points or triangles that a thread takes at once.
 const BLOCK: usize = 1 << 12;
+/// One of so many points is enough to tell about where the outermost are.
+const SAMPLED: usize = 1 << 8;
+/// Width that is added to boxes, as a share of the largest coordinate: far above the rounding errors of
+/// what is computed for their corners.
+const MARGIN: f64 = 1e-6;
 
-/// Whether a bit is set.
-fn is_set(bits: &[AtomicU64], i: usize) -> bool {
-    bits[i / 64].load(Ordering::Relaxed) >> (i % 64) & 1 == 1
-}
-
-/// Which of the `points` are corners of a triangle with an area that `is` holds for, a bit each;
-/// `None` if all are, or there are no triangles.
+/// Which of the `points` are corners of a triangle with an area that `is` holds for; `None` if all are,
+/// or there are no triangles.
 fn shown(
     points: &[Vec3],
     triangles: &[[u32; 3]],
     is: impl Fn([u32; 3]) -> bool + Sync,
-) -> Option<Arc<Vec<AtomicU64>>> {
-    let seen: Vec<AtomicU64> = (0..points.len().div_ceil(64)).map(|_| AtomicU64::new(0)).collect();
+) -> Option<Arc<Vec<AtomicBool>>> {
+    let seen: Vec<AtomicBool> = points.iter().map(|_| AtomicBool::new(false)).collect();
     let add = |triangle: &[u32; 3]| {
         // Reads are cheaper, and most triangles have no corner that is the first at its point.
         let corners = triangle.map(|i| i as usize);
-        if corners.iter().all(|&i| is_set(&seen, i)) {
+        if corners.iter().all(|&i| seen[i].load(Ordering::Relaxed)) {
             return;
         }
         let [a, b, c] = corners.map(|i| points[i].as_dvec3());
         if (b - a).cross(c - a) != DVec3::ZERO && is(*triangle) {
-            for i in corners {
-                seen[i / 64].fetch_or(1 << (i % 64), Ordering::Relaxed);
-            }
+            corners.into_iter().for_each(|i| seen[i].store(true, Ordering::Relaxed));
         }
     };
     parallel::each(triangles.chunks(BLOCK), |triangles| triangles.iter().for_each(add));
-    let count: u32 = seen.iter().map(|word| word.load(Ordering::Relaxed).count_ones()).sum();
-    (!triangles.is_empty() && (count as usize) < points.len()).then(|| Arc::new(seen))
+    let is_every_one = || seen.iter().all(|one| one.load(Ordering::Relaxed));
+    (!triangles.is_empty() && !is_every_one()).then(|| Arc::new(seen))
 }
 
 /// Everything visible in a file.
 pub(crate) struct Scenery<'a> {
     pub(crate) all: Vec<MeshInstance<'a>>,
+    /// The ends of the boxes around the visible points of each block.
+    boxes: Vec<Ends>,
     /// The ends of the box around all points; infinite without points.
     ends: Ends,
     /// The sphere around the centre of that box; without points of radius 1 around the origin.
@@ -178,7 +183,7 @@ pub(crate) struct Scenery<'a> {
 impl<'a> Scenery<'a> {
     pub(crate) fn new(all: Vec<MeshInstance<'a>>) -> Self {
         let sphere = BoundingSphere { center: DVec3::ZERO, radius: 1.0 };
-        let mut contents = Self { all, ends: EMPTY, sphere, strays: 0 };
+        let mut contents = Self { all, boxes: vec![], ends: EMPTY, sphere, strays: 0 };
         contents.measure();
         contents.strays = strays::hide(&mut contents);
         if contents.strays > 0 {
@@ -189,12 +194,18 @@ impl<'a> Scenery<'a> {
 
     /// Finds the box and the sphere.
     fn measure(&mut self) {
-        let Some([low, high]) = self.extent(|point| point) else { return };
+        let around =
+            |block: Block<'_>| block.visible(1).fold(EMPTY, |ends, p| joined(ends, [p; 2]));
+        self.boxes = parallel::map(self.blocks(), around);
+        let [low, high] = self.boxes.iter().copied().fold(EMPTY, joined);
+        if !(low.is_finite() && high.is_finite()) {
+            return;
+        }
+        self.ends = [low, high];
         let center = (low + high) / 2.0;
-        let radius = self.reduce(0.0, |point| point.distance(center), f64::max);
+        let radius = self.outermost(0.0, |point| point.distance(center), f64::max);
         // A single point has no extent; it is seen from one unit away.
         self.sphere = BoundingSphere { center, radius: if radius > 0.0 { radius } else { 1.0 } };
-        self.ends = [low, high];
     }
 
     /// Points all over an image, with normals of any length; none if it takes too long.
@@ -219,25 +230,68 @@ impl<'a> Scenery<'a> {
         none: impl Fn() -> T + Sync,
         add: impl Fn(&mut T, DVec3) + Sync,
     ) -> Vec<T> {
-        let blocks = self.all.iter().flat_map(|instance| {
-            (0..)
-                .step_by(BLOCK)
-                .zip(instance.points.chunks(BLOCK))
-                .map(move |block| (instance, block))
-        });
-        parallel::with_state(blocks, none, |own, (instance, (first, points))| {
-            for (i, point) in (first..).zip(points) {
-                if instance.seen.as_ref().is_none_or(|seen| is_set(seen, i)) {
-                    add(own, instance.world.transform_point3(point.as_dvec3()));
-                }
-            }
+        parallel::with_state(self.blocks(), none, |own, block| {
+            block.visible(1).for_each(|point| add(own, point));
         })
     }
 
-    /// The box around what `of` makes of all points; `None` without points.
+    /// As [`Self::reduce`], of what is nowhere in a box greater than at one of its corners: most blocks
+    /// are far inside, where nothing of their boxes is.
+    fn outermost<T: Copy + Send + Sync + PartialEq>(
+        &self,
+        none: T,
+        of: impl Fn(DVec3) -> T + Sync,
+        merge: impl Fn(T, T) -> T + Sync,
+    ) -> T {
+        let add = |own: T, point| merge(own, of(point));
+        let some = self.blocks().flat_map(|block| block.visible(SAMPLED)).fold(none, add);
+        let [low, high] = self.ends;
+        let margin = MARGIN * low.abs().max(high.abs()).max_element();
+        let blocks = self.blocks().zip(&self.boxes);
+        let found = parallel::with_state(
+            blocks,
+            || some,
+            |own, (block, [low, high])| {
+                let corners = bounds::corners([low - margin, high + margin]);
+                if corners.into_iter().any(|corner| add(*own, corner) != *own) {
+                    *own = block.visible(1).fold(*own, add);
+                }
+            },
+        );
+        found.into_iter().fold(some, merge)
+    }
+
+    /// The points in the order of the boxes around their blocks.
+    fn blocks(&self) -> impl Iterator<Item = Block<'_>> {
+        self.all.iter().flat_map(|instance| {
+            let starts = (0..instance.points.len()).step_by(BLOCK);
+            starts.map(move |first| Block { instance, first })
+        })
+    }
+
+    /// The box around what the linear `of` makes of all points; `None` without points.
     fn extent(&self, of: impl Fn(DVec3) -> DVec3 + Sync) -> Option<Ends> {
-        let ends = self.reduce(EMPTY, |point| [of(point); 2], joined);
+        let ends = self.outermost(EMPTY, |point| [of(point); 2], joined);
         ends.iter().all(|end| end.is_finite()).then_some(ends)
+    }
+}
+
+/// Points of an instance that a thread takes at once.
+#[derive(Clone, Copy)]
+struct Block<'a> {
+    instance: &'a MeshInstance<'a>,
+    first: usize,
+}
+
+impl<'a> Block<'a> {
+    /// The visible ones of every so many points, in the file.
+    fn visible(self, step: usize) -> impl Iterator<Item = DVec3> + 'a {
+        let Self { instance, first } = self;
+        let numbers = first..instance.points.len().min(first + BLOCK);
+        let is_seen = move |i: &usize| {
+            instance.seen.as_ref().is_none_or(|seen| seen[*i].load(Ordering::Relaxed))
+        };
+        numbers.step_by(step).filter(is_seen).map(move |i| instance.point(i))
     }
 }
 

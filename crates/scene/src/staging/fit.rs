@@ -42,7 +42,7 @@ pub(super) fn position(
     };
     let none = [f64::NEG_INFINITY; 5];
     let merge = |a: [f64; 5], b: [f64; 5]| [0, 1, 2, 3, 4].map(|i| a[i].max(b[i]));
-    let [right, left, up, down, nearest] = contents.reduce(none, of, merge);
+    let [right, left, up, down, nearest] = contents.outermost(none, of, merge);
     let middle = [(right - left) / 2.0, (up - down) / 2.0];
     let distance = ((right + left) / (2.0 * across)).max((up + down) / (2.0 * along));
     let mut position = DVec3::new(middle[0], middle[1], distance.max(nearest + least));
@@ -52,7 +52,11 @@ pub(super) fn position(
     // The planes of one pair touch points and fix the camera; those of the other leave it free.
     let free = usize::from(right + left >= (up + down) * across / along);
     for _ in 0..CENTRED {
-        position[free] = centred(contents, &into, &position, free);
+        let before = position[free];
+        position[free] = centred(contents, &into, &position, free, nearest);
+        if position[free] == before {
+            break;
+        }
     }
     Some(*axes * position)
 }
@@ -62,13 +66,24 @@ pub(super) fn position(
 const CENTRED: u32 = 3;
 
 /// The position along the `axis` across the view, for a camera at `position`, at which the outermost
-/// points on both sides are equally far from the centre of the image.
-fn centred(contents: &Scenery<'_>, into: &DMat3, position: &DVec3, axis: usize) -> f64 {
+/// points on both sides are equally far from the centre of the image. `nearest` is where the point
+/// nearest to it is.
+fn centred(
+    contents: &Scenery<'_>,
+    into: &DMat3,
+    position: &DVec3,
+    axis: usize,
+    nearest: f64,
+) -> f64 {
     // The tangent of the angle, the point's position and its distance.
     let none = [[f64::NEG_INFINITY, 0.0, 1.0]; 2];
     let of = |point: DVec3| {
         let point = *into * point;
         let (at, distance) = (point[axis], position.z - point.z);
+        // No point is, but a corner of a box may be, which then is not left out.
+        if distance < (position.z - nearest) / 2.0 {
+            return [[f64::INFINITY, at, distance]; 2];
+        }
         let tangent = (at - position[axis]) / distance;
         [[tangent, at, distance], [-tangent, at, distance]]
     };
@@ -76,7 +91,7 @@ fn centred(contents: &Scenery<'_>, into: &DMat3, position: &DVec3, axis: usize) 
         if a.partial_cmp(&b).is_some_and(Ordering::is_lt) { b } else { a }
     };
     let merge = |a: [[f64; 3]; 2], b: [[f64; 3]; 2]| [higher(a[0], b[0]), higher(a[1], b[1])];
-    let found = contents.reduce(none, of, merge);
+    let found = contents.outermost(none, of, merge);
     let [[_, high, to_high], [_, low, to_low]] = found;
     (high * to_low + low * to_high) / (to_high + to_low)
 }
@@ -105,7 +120,7 @@ pub(super) fn around(view: &View, contents: &Scenery<'_>, tangents: [f64; 2], ax
     let merge =
         |a: [[f64; 2]; 2], b: [[f64; 2]; 2]| [0, 1].map(|i| [0, 1].map(|j| a[i][j].max(b[i][j])));
     let none = [[f64::NEG_INFINITY; 2]; 2];
-    let found = contents.reduce(none, of, merge);
+    let found = contents.outermost(none, of, merge);
     let [[up, side], [down, _]] = found;
     if !(up.is_finite() && down.is_finite()) {
         return *view;

@@ -3,7 +3,8 @@
 //!
 //! The box around the file, or the pyramid before the camera, is cut into columns. The triangles
 //! that meet the ray through the centre of each column are found triangle by triangle, so that no
-//! tree is needed and every triangle is read once.
+//! tree is needed and every triangle is read once. Most triangles of a large mesh are between the
+//! rays, as the places of their corners tell, which are found once for each point.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -60,10 +61,14 @@ impl Grid {
         let unit = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
         let scale = DVec3::new(unit(size.x), unit(size.y), unit(size.z));
         let into = |point| (point - low) * scale;
-        Self::filled(contents, |part, corners, normal| {
-            let corners = corners.map(into);
-            (0..3).map(|axis| part.add(axis, &corners, normal)).sum()
-        })
+        Self::filled(
+            contents,
+            |point| place(into(point)),
+            |part, file| {
+                let corners = file.map(into);
+                (0..3).map(|axis| part.add(axis, &corners, &file)).sum()
+            },
+        )
     }
 
     /// Points that a camera sees, one in each cell of its image, with normals of any length. `None` if
@@ -80,9 +85,13 @@ impl Grid {
         let project = |DVec3 { x, y, z }: DVec3| {
             DVec3::new((x / z + 1.0) / 2.0, (y / z + 1.0) / 2.0, near / z)
         };
-        let grid = Self::filled(contents, |part, corners, normal| {
-            let parts = clipped(corners.map(into), near);
-            parts.map(|corners| part.add(2, &corners.map(project), normal)).sum()
+        let place = |point| match into(point) {
+            point if point.z >= near => place(project(point)),
+            _ => BEFORE_NEAR,
+        };
+        let grid = Self::filled(contents, place, |part, file| {
+            let parts = clipped(file.map(into), near);
+            parts.map(|corners| part.add(2, &corners.map(project), &file)).sum()
         })?;
         let center = |cell: usize| (cell as f64 + 0.5) / COLUMNS as f64 * 2.0 - 1.0;
         let point = |(i, column): (usize, &ColumnHits)| {
@@ -94,21 +103,24 @@ impl Grid {
         Some(grid.along(2).iter().enumerate().filter_map(point).collect())
     }
 
-    /// The grid that `add` fills with each triangle, given with its normal; it returns the number of
-    /// rays tested. `None` if it takes too long.
+    /// The grid that `add` fills with each triangle that may meet a ray, as the `place` of its corners
+    /// tells; it returns the number of rays tested. `None` if it takes too long.
     fn filled(
         contents: &Scenery<'_>,
-        add: impl Fn(&mut Self, [DVec3; 3], DVec3) -> u64 + Sync,
+        place: impl Fn(DVec3) -> Place + Sync,
+        add: impl Fn(&mut Self, [DVec3; 3]) -> u64 + Sync,
     ) -> Option<Self> {
         let tests = AtomicU64::new(0);
         let mut grid = Self::empty();
         for instance in &contents.all {
+            let mut places = vec![Place::default(); instance.points.len()];
+            parallel::each_mut(&mut places, |i, own| *own = place(instance.point(i)));
             let batches = instance.triangles.chunks(BATCH);
             let parts = parallel::with_state(batches, Self::empty, |part, triangles| {
                 if tests.load(Ordering::Relaxed) <= MOST_TESTS {
                     let add = |triangle: &[u32; 3]| {
-                        let [a, b, c] = instance.corners(*triangle);
-                        add(part, [a, b, c], (b - a).cross(c - a))
+                        let is_met = may_meet(triangle.map(|i| places[i as usize]));
+                        if is_met { add(part, instance.corners(*triangle)) } else { 0 }
                     };
                     let count = triangles.iter().map(add).sum();
                     tests.fetch_add(count, Ordering::Relaxed);
@@ -129,12 +141,11 @@ impl Grid {
         &self.columns[axis * count..(axis + 1) * count]
     }
 
-    /// Adds a triangle of the unit cube to the columns along an axis; returns the number of rays
-    /// tested.
-    fn add(&mut self, axis: usize, corners: &[DVec3; 3], normal: DVec3) -> u64 {
+    /// Adds a triangle of the unit cube, with these corners in the `file`, to the columns along an axis;
+    /// returns the number of rays tested.
+    fn add(&mut self, axis: usize, corners: &[DVec3; 3], file: &[DVec3; 3]) -> u64 {
         let [next, last] = across(axis);
-        let cells = |side: usize| corners.map(|p| p[side] * COLUMNS as f64 - 0.5);
-        // None for most triangles of a large mesh: they are between the rays, mostly on both sides.
+        let cells = |side: usize| corners.map(|p| among_rays(p[side]));
         let u = cells(next);
         let Some(columns) = rays_within(u) else { return 0 };
         let v = cells(last);
@@ -152,7 +163,8 @@ impl Grid {
                 let weights = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| edge(i, j, x, y) / area);
                 if weights.iter().all(|&weight| weight >= 0.0) {
                     let at = (0..3).map(|i| weights[i] * corners[i][axis]).sum();
-                    let met = MetTriangle { at, faces_high: area > 0.0, normal: normal.into() };
+                    let normal = (file[1] - file[0]).cross(file[2] - file[0]).into();
+                    let met = MetTriangle { at, faces_high: area > 0.0, normal };
                     // Stray parts are far outside of the box.
                     if (at - 0.5).abs() < 1.0 {
                         self.columns[(axis * COLUMNS + row) * COLUMNS + column].meet(met);
@@ -175,6 +187,36 @@ impl Grid {
 /// The axes next to an axis, and next but one.
 pub(super) fn across(axis: usize) -> [usize; 2] {
     [(axis + 1) % 3, (axis + 2) % 3]
+}
+
+/// Where a point of the unit cube is among the rays in the direction of x, y and z: the number of ends
+/// of gaps between the rays that it is at or past.
+type Place = [u8; 4];
+
+/// That of a point of which no place is known: no other is the same in any direction.
+const BEFORE_NEAR: Place = [u8::MAX; 4];
+
+/// The place of a point of the unit cube.
+fn place(point: DVec3) -> Place {
+    let along = |x: f64| {
+        let x = among_rays(x);
+        let ray = (x as u8).min(COLUMNS as u8);
+        2 * ray + u8::from(x >= 0.0) + u8::from(x > f64::from(ray))
+    };
+    [along(point.x), along(point.y), along(point.z), 0]
+}
+
+/// A coordinate of the unit cube in the distance between rays, from the first ray on.
+fn among_rays(x: f64) -> f64 {
+    x * COLUMNS as f64 - 0.5
+}
+
+/// Whether a triangle with corners at these places may meet a ray: they differ in two directions. All
+/// may be on a ray, which then sees the triangle from its edge.
+fn may_meet(corners: [Place; 3]) -> bool {
+    let [a, b, c] = corners.map(u32::from_ne_bytes);
+    let differing = (a ^ b) | (a ^ c);
+    differing != 0 && differing.to_ne_bytes().iter().filter(|byte| **byte != 0).count() > 1
 }
 
 /// The parts of a triangle where z is at least `near`: none, one or two triangles.

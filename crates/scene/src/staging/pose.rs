@@ -39,6 +39,7 @@ const CELLS: usize = 64;
 
 /// The least heights of the points above the faces of the box around everything, as shares of its
 /// size, in cells of each face: for each axis those from the low end, then those from the high end.
+/// None are above [`RAISED`], where no support is.
 pub(super) struct Heights(Vec<f32>);
 
 impl Heights {
@@ -50,9 +51,12 @@ impl Heights {
             let share = (point - low) * scale;
             let cells = share.to_array().map(|x| ((x * CELLS as f64) as usize).min(CELLS - 1));
             for axis in 0..3 {
+                let [from_low, from_high] = [share[axis], 1.0 - share[axis]].map(|x| x as f32);
+                if f64::from(from_low.min(from_high)) > RAISED {
+                    continue;
+                }
                 let [u, v] = across(axis).map(|side| cells[side]);
                 let cell = ((2 * axis) * CELLS + v) * CELLS + u;
-                let [from_low, from_high] = [share[axis], 1.0 - share[axis]].map(|x| x as f32);
                 heights[cell] = heights[cell].min(from_low);
                 heights[cell + CELLS * CELLS] = heights[cell + CELLS * CELLS].min(from_high);
             }
