@@ -88,6 +88,8 @@ fn silent_and_endless_connections_keep_nobody_waiting() {
     let image = shown.filled("GET /TOKEN/image.png HTTP/1.1\r\nHost: HOST\r\n\r\n");
     let mut downloads: Vec<TcpStream> = (0..9).map(|_| shown.connect()).collect();
     downloads.iter_mut().for_each(|saved| saved.write_all(image.as_bytes()).expect("a connection"));
+    // Until it has begun, the server does not know who asks.
+    downloads.iter().for_each(|saved| assert_eq!(saved.peek(&mut [0]).expect("an answer"), 1));
     let silent: Vec<TcpStream> = (0..300).map(|_| shown.connect()).collect();
     let begun = Instant::now();
     assert!(shown.page().starts_with("HTTP/1.1 200 "));
