@@ -15,7 +15,7 @@ use crate::components::{
     Added, DirectionalLight, JsonPath, Material, Mesh, Name, Order, Shading, Sides, Transform,
 };
 use crate::mesh::MeshData;
-use crate::systems::bounds::{Ends, corners};
+use crate::systems::bounds::{EMPTY, Ends, corners, joined};
 
 /// Its distance below the object, in radii: less than is visible, and more than rounding, so that a
 /// floor of the file lies above it.
@@ -40,7 +40,7 @@ pub(super) fn spawn(
     colors: (DVec3, DVec3),
 ) {
     let (up, into) = (axes.y_axis, axes.transpose());
-    let Some(ends) = contents.extent(|point| into * point) else { return };
+    let ends = contents.outermost(EMPTY, |point| [into * point; 2], joined);
     let height = ends[0].y - GAP * contents.sphere.radius;
     let keys = framed.path.iter().flat_map(|path| path.keys.iter().map(|key| key.location));
     if keys.chain([framed.view.location]).any(|location| location.dot(up) <= height) {
