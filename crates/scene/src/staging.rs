@@ -135,8 +135,19 @@ impl<'a> MeshInstance<'a> {
     }
 }
 
+/// An instance, and the first of some of its points.
+type Block<'a> = (&'a MeshInstance<'a>, usize);
+
+/// The visible ones of every so many points of a block, in the file.
+fn visible((instance, first): Block<'_>, step: usize) -> impl Iterator<Item = DVec3> {
+    let seen = instance.seen.as_ref();
+    let is_seen = move |i: &usize| seen.is_none_or(|seen| seen[*i].load(Ordering::Relaxed));
+    let numbers = first..instance.points.len().min(first + BLOCK);
+    numbers.step_by(step).filter(is_seen).map(|i| instance.point(i))
+}
+
 /// Points or triangles that a thread takes at once.
-const BLOCK: usize = 1 << 12;
+const BLOCK: usize = 1 << 10;
 /// One of so many points is enough to tell about where the outermost are.
 const SAMPLED: usize = 1 << 8;
 /// Width that is added to boxes, as a share of the largest coordinate: far above the rounding errors of
@@ -194,11 +205,10 @@ impl<'a> Scenery<'a> {
 
     /// Finds the box and the sphere.
     fn measure(&mut self) {
-        let around =
-            |block: Block<'_>| block.visible(1).fold(EMPTY, |ends, p| joined(ends, [p; 2]));
-        self.boxes = parallel::map(self.blocks(), around);
+        let add = |ends, point| joined(ends, [point; 2]);
+        self.boxes = parallel::map(self.blocks(), |block| visible(block, 1).fold(EMPTY, add));
         let [low, high] = self.boxes.iter().copied().fold(EMPTY, joined);
-        if !(low.is_finite() && high.is_finite()) {
+        if !(high - low).is_finite() {
             return;
         }
         self.ends = [low, high];
@@ -213,30 +223,8 @@ impl<'a> Scenery<'a> {
         Grid::seen(self, view).unwrap_or_default()
     }
 
-    /// Reduces the results of `of` for each visible point by `merge`, in any order.
-    fn reduce<T: Copy + Send + Sync>(
-        &self,
-        none: T,
-        of: impl Fn(DVec3) -> T + Sync,
-        merge: impl Fn(T, T) -> T + Sync,
-    ) -> T {
-        let add = |own: &mut T, point| *own = merge(*own, of(point));
-        self.gather(|| none, add).into_iter().fold(none, &merge)
-    }
-
-    /// Adds all visible points to the states of threads, in any order.
-    fn gather<T: Send>(
-        &self,
-        none: impl Fn() -> T + Sync,
-        add: impl Fn(&mut T, DVec3) + Sync,
-    ) -> Vec<T> {
-        parallel::with_state(self.blocks(), none, |own, block| {
-            block.visible(1).for_each(|point| add(own, point));
-        })
-    }
-
-    /// As [`Self::reduce`], of what is nowhere in a box greater than at one of its corners: most blocks
-    /// are far inside, where nothing of their boxes is.
+    /// Reduces the results of `of` for each visible point by `merge`, in any order. `of` is nowhere in a
+    /// box greater than at one of its corners: most blocks are far inside, where no corner changes anything.
     fn outermost<T: Copy + Send + Sync + PartialEq>(
         &self,
         none: T,
@@ -244,54 +232,23 @@ impl<'a> Scenery<'a> {
         merge: impl Fn(T, T) -> T + Sync,
     ) -> T {
         let add = |own: T, point| merge(own, of(point));
-        let some = self.blocks().flat_map(|block| block.visible(SAMPLED)).fold(none, add);
-        let [low, high] = self.ends;
-        let margin = MARGIN * low.abs().max(high.abs()).max_element();
-        let blocks = self.blocks().zip(&self.boxes);
-        let found = parallel::with_state(
-            blocks,
-            || some,
-            |own, (block, [low, high])| {
-                let corners = bounds::corners([low - margin, high + margin]);
-                if corners.into_iter().any(|corner| add(*own, corner) != *own) {
-                    *own = block.visible(1).fold(*own, add);
-                }
-            },
-        );
+        let some = self.blocks().flat_map(|block| visible(block, SAMPLED)).fold(none, add);
+        let margin = MARGIN * self.ends[0].abs().max(self.ends[1].abs()).max_element();
+        let look = |own: &mut T, (block, [low, high]): (Block<'_>, &Ends)| {
+            let corners = bounds::corners([low - margin, high + margin]);
+            if corners.into_iter().any(|corner| add(*own, corner) != *own) {
+                *own = visible(block, 1).fold(*own, add);
+            }
+        };
+        let found = parallel::with_state(self.blocks().zip(&self.boxes), || some, look);
         found.into_iter().fold(some, merge)
     }
 
-    /// The points in the order of the boxes around their blocks.
+    /// The blocks of points, in the order of the boxes around them.
     fn blocks(&self) -> impl Iterator<Item = Block<'_>> {
         self.all.iter().flat_map(|instance| {
-            let starts = (0..instance.points.len()).step_by(BLOCK);
-            starts.map(move |first| Block { instance, first })
+            (0..instance.points.len()).step_by(BLOCK).map(move |first| (instance, first))
         })
-    }
-
-    /// The box around what the linear `of` makes of all points; `None` without points.
-    fn extent(&self, of: impl Fn(DVec3) -> DVec3 + Sync) -> Option<Ends> {
-        let ends = self.outermost(EMPTY, |point| [of(point); 2], joined);
-        ends.iter().all(|end| end.is_finite()).then_some(ends)
-    }
-}
-
-/// Points of an instance that a thread takes at once.
-#[derive(Clone, Copy)]
-struct Block<'a> {
-    instance: &'a MeshInstance<'a>,
-    first: usize,
-}
-
-impl<'a> Block<'a> {
-    /// The visible ones of every so many points, in the file.
-    fn visible(self, step: usize) -> impl Iterator<Item = DVec3> + 'a {
-        let Self { instance, first } = self;
-        let numbers = first..instance.points.len().min(first + BLOCK);
-        let is_seen = move |i: &usize| {
-            instance.seen.as_ref().is_none_or(|seen| seen[*i].load(Ordering::Relaxed))
-        };
-        numbers.step_by(step).filter(is_seen).map(move |i| instance.point(i))
     }
 }
 

@@ -52,11 +52,7 @@ pub(super) fn position(
     // The planes of one pair touch points and fix the camera; those of the other leave it free.
     let free = usize::from(right + left >= (up + down) * across / along);
     for _ in 0..CENTRED {
-        let before = position[free];
-        position[free] = centred(contents, &into, &position, free, nearest);
-        if position[free] == before {
-            break;
-        }
+        position[free] = centred(contents, &into, &position, free);
     }
     Some(*axes * position)
 }
@@ -66,22 +62,15 @@ pub(super) fn position(
 const CENTRED: u32 = 3;
 
 /// The position along the `axis` across the view, for a camera at `position`, at which the outermost
-/// points on both sides are equally far from the centre of the image. `nearest` is where the point
-/// nearest to it is.
-fn centred(
-    contents: &Scenery<'_>,
-    into: &DMat3,
-    position: &DVec3,
-    axis: usize,
-    nearest: f64,
-) -> f64 {
+/// points on both sides are equally far from the centre of the image.
+fn centred(contents: &Scenery<'_>, into: &DMat3, position: &DVec3, axis: usize) -> f64 {
     // The tangent of the angle, the point's position and its distance.
     let none = [[f64::NEG_INFINITY, 0.0, 1.0]; 2];
     let of = |point: DVec3| {
         let point = *into * point;
         let (at, distance) = (point[axis], position.z - point.z);
-        // No point is, but a corner of a box may be, which then is not left out.
-        if distance < (position.z - nearest) / 2.0 {
+        // No point is so near, but the corner of a box may be, which is not left out then.
+        if distance < contents.sphere.radius * NEAREST / 2.0 {
             return [[f64::INFINITY, at, distance]; 2];
         }
         let tangent = (at - position[axis]) / distance;

@@ -145,7 +145,7 @@ impl Grid {
     /// returns the number of rays tested.
     fn add(&mut self, axis: usize, corners: &[DVec3; 3], file: &[DVec3; 3]) -> u64 {
         let [next, last] = across(axis);
-        let cells = |side: usize| corners.map(|p| among_rays(p[side]));
+        let cells = |side: usize| corners.map(|p| among_rays(p)[side]);
         let u = cells(next);
         let Some(columns) = rays_within(u) else { return 0 };
         let v = cells(last);
@@ -199,16 +199,16 @@ const BEFORE_NEAR: Place = [u8::MAX; 4];
 /// The place of a point of the unit cube.
 fn place(point: DVec3) -> Place {
     let along = |x: f64| {
-        let x = among_rays(x);
-        let ray = (x as u8).min(COLUMNS as u8);
-        2 * ray + u8::from(x >= 0.0) + u8::from(x > f64::from(ray))
+        let ray = (x as i32).min(COLUMNS as i32);
+        (2 * ray.max(0) + i32::from(x >= 0.0) + i32::from(x > f64::from(ray))) as u8
     };
-    [along(point.x), along(point.y), along(point.z), 0]
+    let [x, y, z] = among_rays(point).to_array().map(along);
+    [x, y, z, 0]
 }
 
-/// A coordinate of the unit cube in the distance between rays, from the first ray on.
-fn among_rays(x: f64) -> f64 {
-    x * COLUMNS as f64 - 0.5
+/// A point of the unit cube in distances between rays, from the first rays on.
+fn among_rays(point: DVec3) -> DVec3 {
+    point * COLUMNS as f64 - 0.5
 }
 
 /// Whether a triangle with corners at these places may meet a ray: they differ in two directions. All
@@ -216,7 +216,8 @@ fn among_rays(x: f64) -> f64 {
 fn may_meet(corners: [Place; 3]) -> bool {
     let [a, b, c] = corners.map(u32::from_ne_bytes);
     let differing = (a ^ b) | (a ^ c);
-    differing != 0 && differing.to_ne_bytes().iter().filter(|byte| **byte != 0).count() > 1
+    // From its last byte that is not 0 on there is more than that byte.
+    differing >> (differing.trailing_zeros() & 24) > u32::from(u8::MAX)
 }
 
 /// The parts of a triangle where z is at least `near`: none, one or two triangles.
@@ -267,6 +268,34 @@ impl ColumnHits {
             self.below = Some(self.below.map_or(met, |below| sorted(below, met)[1]));
         } else {
             self.above = Some(self.above.map_or(met, |above| sorted(above, met)[0]));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::contents;
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_sheet_of_many_triangles_is_met_in_each_column_once() {
+        for side in [1_u32, 7, 23, 24, 48, 100] {
+            let point = |i| Vec3::new((i % (side + 1)) as f32, (i / (side + 1)) as f32, 0.0);
+            let points = (0..(side + 1).pow(2)).map(point).collect();
+            let corners = (0..side.pow(2)).map(|i| i + i / side);
+            let quad = |i| [[i, i + 1, i + side + 2], [i, i + side + 2, i + side + 1]];
+            let sheet = (points, corners.flat_map(quad).collect());
+            let grid = Grid::of(&contents(&sheet)).unwrap();
+            let met = |axis| grid.along(axis).iter().filter(|column| column.ends.is_some()).count();
+            assert_eq!([0, 1, 2].map(met), [0, 0, COLUMNS * COLUMNS], "{side}");
+            assert!(
+                grid.along(2)
+                    .iter()
+                    .flat_map(|column| column.ends)
+                    .flatten()
+                    .all(|met| { met.faces_high && met.at == 0.0 && met.normal[2] > 0.0 })
+            );
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::components::{
     Added, DirectionalLight, JsonPath, Material, Mesh, Name, Order, Shading, Sides, Transform,
 };
 use crate::mesh::MeshData;
-use crate::systems::bounds::{Ends, corners};
+use crate::systems::bounds::{EMPTY, Ends, corners, joined};
 
 /// Its distance below the object, in radii: less than is visible, and more than rounding, so that a
 /// floor of the file lies above it.
@@ -40,7 +40,7 @@ pub(super) fn spawn(
     colors: (DVec3, DVec3),
 ) -> Option<f64> {
     let (up, into) = (axes.y_axis, axes.transpose());
-    let ends = contents.extent(|point| into * point)?;
+    let ends = contents.outermost(EMPTY, |point| [into * point; 2], joined);
     let height = ends[0].y - GAP * contents.sphere.radius;
     let keys = framed.path.iter().flat_map(|path| path.keys.iter().map(|key| key.location));
     if !keys.chain([framed.view.location]).all(|location| is_above(height, up, location)) {

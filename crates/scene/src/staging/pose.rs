@@ -2,10 +2,11 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Scenery;
 use super::grid::{Grid, MetTriangle, across};
 use super::ground::hull;
+use super::{Scenery, visible};
 use crate::options::framing::Up;
+use wavecrest_base::parallel;
 
 /// Largest distance of a support from the lowest point, as a share of the height.
 pub(super) const BASE_DEPTH: f64 = 0.02;
@@ -49,13 +50,13 @@ impl Heights {
         let none = || vec![f32::INFINITY; 6 * CELLS * CELLS];
         let add = |heights: &mut Vec<f32>, point: DVec3| {
             let share = (point - low) * scale;
-            let cells = share.to_array().map(|x| ((x * CELLS as f64) as usize).min(CELLS - 1));
+            let cell = |x: f64| ((x * CELLS as f64) as u32 as usize).min(CELLS - 1);
             for axis in 0..3 {
                 let [from_low, from_high] = [share[axis], 1.0 - share[axis]].map(|x| x as f32);
-                if f64::from(from_low.min(from_high)) > RAISED {
+                if from_low.min(from_high) > RAISED as f32 {
                     continue;
                 }
-                let [u, v] = across(axis).map(|side| cells[side]);
+                let [u, v] = across(axis).map(|side| cell(share[side]));
                 let cell = ((2 * axis) * CELLS + v) * CELLS + u;
                 heights[cell] = heights[cell].min(from_low);
                 heights[cell + CELLS * CELLS] = heights[cell + CELLS * CELLS].min(from_high);
@@ -65,7 +66,10 @@ impl Heights {
             a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
             a
         };
-        Self(contents.gather(none, add).into_iter().fold(none(), merged))
+        let all = parallel::with_state(contents.blocks(), none, |heights, block| {
+            visible(block, 1).for_each(|point| add(heights, point));
+        });
+        Self(all.into_iter().fold(none(), merged))
     }
 }
 

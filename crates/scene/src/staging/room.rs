@@ -10,8 +10,8 @@
 
 use glam::DVec3;
 
-use super::Scenery;
 use super::grid::{COLUMNS, ColumnHits, Grid, across};
+use super::{Scenery, visible};
 use crate::options::framing::Up;
 use crate::systems::bounds::Ends;
 
@@ -134,7 +134,7 @@ fn is_empty(contents: &Scenery<'_>) -> bool {
         let share = (point - low) / (high - low);
         share.min(1.0 - share).min_element() <= FURNITURE_DEPTH
     };
-    contents.reduce(true, is_near, |a, b| a && b)
+    contents.blocks().flat_map(|block| visible(block, 1)).all(is_near)
 }
 
 /// The columns along all axes.

@@ -59,11 +59,11 @@ impl Part {
 pub(super) fn hide(contents: &mut Scenery<'_>) -> usize {
     let Some(most) = most(contents) else { return 0 };
     let mut near = grown(most);
-    if joined(near, contents.ends) == near {
-        return 0;
-    }
     let mut rest = Part::NONE;
     for _ in 0..STEPS {
+        if joined(near, contents.ends) == near {
+            return 0;
+        }
         rest = Part::of(contents, |corners| touches(corners, &near));
         let wider = joined(near, grown(rest.ends));
         if wider == std::mem::replace(&mut near, wider) {
