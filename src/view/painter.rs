@@ -77,7 +77,7 @@ pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) 
         size,
         look,
         up,
-        stays: stays || loaded.triangles() > MOST_FOLLOWED,
+        stays: stays || loaded.usual_view().is_some() && loaded.triangles() > MOST_FOLLOWED,
         exposure: 0.0,
         transfer: None,
     };

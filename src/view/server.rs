@@ -160,8 +160,8 @@ impl Bounded {
     }
 }
 
-/// What is connected: those that have asked for nothing here yet, those that knew the address, and pages. So strangers
-/// end nobody's download.
+/// What is connected: those that have asked for nothing here yet, those that knew the address, and pages. Each is bounded
+/// by itself, so that strangers cannot close a download.
 struct Connections {
     strangers: Bounded,
     known: Bounded,
