@@ -88,7 +88,7 @@ fn run_here(args: &TraceArgs) -> Result<()> {
     let (positions, precision) = (mesh.positions, args.precision);
     let geometry =
         Geometry { positions, triangles: mesh.triangles, precision, ..Geometry::default() };
-    let usual = || Preset::choose(triangles as u64, rays as u64).at_once();
+    let usual = || Preset::choose(triangles as u64, rays as u64);
     let preset = args.bvh.unwrap_or_else(usual);
     let start = Instant::now();
     let mut accel = Accel::new(geometry, preset);

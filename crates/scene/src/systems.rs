@@ -119,6 +119,9 @@ impl Default for SceneOptions {
     }
 }
 
+/// So many primitives tell what share of all is out of view.
+const SAMPLED: usize = 4096;
+
 /// The scene without its tree, sufficient to predict a render.
 #[derive(Debug)]
 pub struct Extracted {
@@ -212,10 +215,22 @@ impl Extracted {
             let has_light = self.options.look.is_none_or(Look::is_shaded);
             let rays =
                 if has_light { self.scene.expected_rays() } else { self.scene.camera_rays() };
-            let likely = Preset::choose(self.geometry().held() as u64, rays);
-            if self.options.at_once { likely.at_once() } else { likely }
+            let held = self.geometry().held() as u64;
+            if self.options.at_once {
+                return Preset::choose(held, rays);
+            }
+            Preset::choose_for_part(held, self.out_of_view(), rays)
         };
         self.options.bvh.unwrap_or_else(chosen)
+    }
+
+    /// About the number of primitives outside instances that the first camera cannot see, from a sample of all.
+    fn out_of_view(&self) -> u64 {
+        let (geometry, camera) = (self.geometry(), &self.scene.camera);
+        let step = geometry.own().div_ceil(SAMPLED).max(1);
+        let sampled = (0..geometry.own() as u32).step_by(step);
+        let unseen = sampled.filter(|&number| !camera.may_see(&geometry.bounds(number), 0.0));
+        unseen.count() as u64 * step as u64
     }
 
     /// Builds the tree by this preset, whatever the options say, for their kernel and instruction set: the last system.

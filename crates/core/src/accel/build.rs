@@ -30,13 +30,12 @@ use entries::Entry;
 use leaves::{CurveLeaf, LeafFinder};
 use piece::{BuildPlan, Piece};
 
-/// Largest number of triangles in a chunk; halves of quads count as such. Measured: with 32 Ki and 64 Ki a build took a sixth
-/// longer, and rays visited at most 2 per cent fewer nodes.
-pub const CHUNK: usize = 1 << 14;
+/// Largest number of triangles in a chunk; halves of quads count as such. Measured: trees of 4, 8 and 16 Ki, each with 8
+/// to 64 parts, were as good and built as fast. Chunks of 4 Ki that rays build took 2 to 4 per cent less time than of 8 Ki.
+pub const CHUNK: usize = 1 << 12;
 
-/// Approximate number of parts of a chunk that are joined: 48 and 400 made trees as good, 16 worse
-/// ones.
-const PARTS: usize = 64;
+/// Approximate number of parts of a chunk that are joined.
+const PARTS: usize = 8;
 
 /// Bytes of a tree to reserve for each triangle. Measured: 46 to 53 in meshes that share vertices.
 const ROOM: usize = 64;
@@ -51,18 +50,20 @@ const WELD_ABOVE: usize = 3;
 /// How many times farther out than instances the origins of packets may be: their boxes are padded for it.
 const NEAR: f32 = 2.0;
 
-/// Rays for each primitive from which [`Preset::Fastest`] pays: with fewer, part of the scene is
-/// likely never reached. Where all of it was, in a terrain of 10 million triangles,
-/// [`Preset::OnDemand`] took as long; its rays, of 0.2 microseconds, took 3 to 10 per cent longer.
-const FASTEST_FROM: u64 = 2;
+/// Rays for each primitive below which [`Preset::OnDemand`] is chosen: part of the scene is likely never reached. Where
+/// all of it was, in meshes of 4 and 10 million triangles, it took 3 to 4 per cent longer than [`Preset::Fastest`], and
+/// the tree a fifth less memory.
+const ON_DEMAND_BELOW: u64 = 2;
 
-/// Rays for each primitive from which [`Preset::VeryFast`] and [`Preset::Fast`] pay. Measured on a
-/// scan, a kitchen and a coffee maker of 0.2 to 1.4 million triangles: compared with
-/// [`Preset::Fastest`], the first took 0.07 microseconds more of a core for each triangle, and
-/// diffuse rays, of 0.2 microseconds, saved 3 to 8 per cent; the second took another 0.06, and rays
-/// saved 3 per cent. [`Preset::Medium`] took another 0.13 and saved nothing.
-const VERY_FAST_FROM: u64 = 6;
-const FAST_FROM: u64 = 16;
+/// Rays for each primitive out of view below which [`Preset::OnDemand`] is chosen. Measured in the first of two and four
+/// kitchens side by side, of 2.9 and 5.8 million triangles: it took 0.90 and 0.77 of the time. In one kitchen, with 16
+/// rays for each primitive out of view, it took 3 per cent longer.
+const OUT_OF_VIEW_BELOW: u64 = 16;
+
+/// Rays for each primitive from which [`Preset::Fast`] pays. Measured on scans, a terrain, a kitchen and a coffee maker
+/// of 0.2 to 2 million triangles: up to 20 it took 4 to 9 per cent longer than [`Preset::Fastest`], from 70 on 1 to 4 less.
+/// [`Preset::VeryFast`] was never better than both by more than 1 per cent.
+const FAST_FROM: u64 = 32;
 
 wavecrest_base::choices! {
     /// How much work goes into the tree. From [`Preset::VeryFast`] on, they are presets of obvhs.
@@ -85,22 +86,16 @@ wavecrest_base::choices! {
 }
 
 impl Preset {
-    /// The preset that is likely to finish first, for this number of primitives and expected rays.
-    ///
-    /// A better tree costs time for each primitive and saves a few per cent of the time of each
-    /// ray, so it pays above a certain number of rays for each primitive.
+    /// The preset whose tree, complete before the first ray, is likely to finish first, for this number of primitives
+    /// and expected rays: a better tree costs time for each primitive, and saves some of each ray.
     pub fn choose(primitives: u64, rays: u64) -> Self {
-        match rays / primitives.max(1) {
-            0..FASTEST_FROM => Self::OnDemand,
-            FASTEST_FROM..VERY_FAST_FROM => Self::Fastest,
-            VERY_FAST_FROM..FAST_FROM => Self::VeryFast,
-            _ => Self::Fast,
-        }
+        if rays < FAST_FROM * primitives { Self::Fastest } else { Self::Fast }
     }
 
-    /// The preset that builds the same before the first ray, for measurements of rays.
-    pub fn at_once(self) -> Self {
-        if self == Self::OnDemand { Self::Fastest } else { self }
+    /// As [`Self::choose`], where rays may build what they reach, and so many primitives are `out_of_view`.
+    pub fn choose_for_part(primitives: u64, out_of_view: u64, rays: u64) -> Self {
+        let least = (ON_DEMAND_BELOW * primitives).max(OUT_OF_VIEW_BELOW * out_of_view);
+        if rays < least { Self::OnDemand } else { Self::choose(primitives, rays) }
     }
 
     /// The rounds of reinsertion: the share of nodes in each, relative to the first. `None` stands
@@ -148,15 +143,14 @@ pub fn build(geometry: &Geometry, blas: &[Tree], preset: Preset, cut: ChunkSizes
     let plan = BuildPlan { instances, ..BuildPlan::new(geometry, preset, extents) };
     let is_later = preset == Preset::OnDemand && geometry.entries() > cut.chunk;
     let mut left_out = 0;
-    let mut chunks = |with_boxes| {
-        let chunks = order::chunks(geometry, &extents, (cut.chunk, with_boxes));
-        left_out = geometry.entries() - chunks.entries.len();
-        let parts = chunks.chunks.len() + plan.instances.len();
-        Some(chunks).filter(|_| parts > usize::from(with_boxes))
+    let mut order = || {
+        let order = order::order(geometry, &extents, cut.chunk);
+        left_out = geometry.entries() - order.entries.len();
+        Some(order).filter(|order| order.groups() + plan.instances.len() > 0)
     };
-    let tree = is_later.then(|| chunked::on_demand(&plan, chunks(true)?)).flatten();
+    let tree = is_later.then(|| chunked::on_demand(&plan, order()?)).flatten();
     let most = Demand::MOST_UNITS * size_of::<Unit>();
-    let whole = |room| chunked::build(&plan, chunks(false)?, ChunkSizes { room, ..cut });
+    let whole = |room| chunked::build(&plan, order()?, ChunkSizes { room, ..cut });
     let tree = tree.or_else(|| [cut.room, most].into_iter().find_map(whole));
     let widening = geometry.instances.iter().map(Instance::widening).fold(0.0, max);
     Tree { left_out: left_out as u64, widening, near, ..tree.unwrap_or_default() }

@@ -174,9 +174,9 @@ impl Tree {
     /// crosses the whole scene's box without a hit.
     pub fn expected_visits(&self) -> Visits {
         let mut visits = Visits::default();
-        let whole = self.root.map_or(0.0, |root| half_area(&root.bounds));
+        let whole = self.root.map_or(0.0, |root| root.bounds.half_area());
         self.walk(|place, bounds| {
-            let share = if whole > 0.0 { half_area(bounds) / whole } else { 1.0 };
+            let share = if whole > 0.0 { bounds.half_area() / whole } else { 1.0 };
             let is_node = place.kind() == Kind::Node;
             *(if is_node { &mut visits.nodes } else { &mut visits.leaves }) += share;
         });
@@ -250,10 +250,4 @@ pub struct Visits {
     pub nodes: f64,
     /// Leaves.
     pub leaves: f64,
-}
-
-/// Half the surface of a box.
-fn half_area(bounds: &Aabb) -> f64 {
-    let d = (bounds.high - bounds.low).as_dvec3();
-    d.x * d.y + d.y * d.z + d.z * d.x
 }

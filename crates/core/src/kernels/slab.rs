@@ -68,6 +68,12 @@ impl Aabb {
     pub fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
+
+    /// Half the surface of the box.
+    pub fn half_area(&self) -> f64 {
+        let d = (self.high - self.low).as_dvec3();
+        d.x * d.y + d.y * d.z + d.z * d.x
+    }
 }
 
 /// A ray prepared for slab tests. Rows of four numbers, as whole rows are written at once: what is read of pieces

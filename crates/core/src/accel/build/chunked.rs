@@ -14,7 +14,7 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance};
 use rayon::prelude::*;
 
-use super::order::Chunks;
+use super::order::{Chunks, Order};
 use super::piece::{from_obvhs, to_obvhs};
 use super::{BuildPlan, ChunkSizes, Piece, ROOM_OF_LISTED};
 use crate::accel::arena::{self, MAX_UNITS, NODE_UNITS, StandIn};
@@ -28,53 +28,95 @@ use wavecrest_base::progress;
 /// The share of the nodes above the parts that is reinserted at a time: more gained nothing.
 const REINSERTED: f32 = 0.2;
 
-/// Most instances that are joined at a time: a bottom-up builder takes quadratic time over boxes that are nested.
+/// Most instances that are joined at a time, and parts of large entries: a bottom-up builder takes quadratic time over
+/// boxes that are nested.
 const JOINED: usize = 1024;
 
 /// Builds the tree; there is none over nothing, nor over a scene that needs more room than `cut`
 /// gives.
-pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: ChunkSizes) -> Option<Tree> {
-    let Chunks { entries, chunks, counts } = chunks;
+pub(super) fn build(plan: &BuildPlan, order: Order, cut: ChunkSizes) -> Option<Tree> {
     let instances = plan.instances.len();
-    let parts = if chunks.len() + instances == 1 { 1 } else { cut.parts };
+    let parts = if order.groups() + instances == 1 { 1 } else { cut.parts };
     // A piece may open its last node for more parts than were asked for.
-    let ahead = ahead((parts + LANES) * chunks.len() + joined_apart(instances));
+    let ahead = ahead((parts + LANES) * order.groups() + order.large() + joined_apart(instances));
     let listed = plan.geometry.quadrics.len() * ROOM_OF_LISTED;
     let few_shared = if plan.weld { 2 } else { 1 };
-    let room = (entries.len() * cut.room * few_shared + listed).div_ceil(size_of::<Unit>());
+    let room = (order.entries.len() * cut.room * few_shared + listed).div_ceil(size_of::<Unit>());
     let units = Units::zeroed(ahead + room + instances, ahead);
-    progress::expect(entries.len() as u64);
-    let build = |piece: &mut Piece, (own, _): (Range<usize>, Aabb)| {
-        let count = own.len() as u64;
-        let mut own = piece.parts(plan, &entries, own, parts);
-        progress::add(count);
-        let place = units.append(&piece.output.units)?;
-        own.iter_mut().for_each(|part| part.unit += place);
-        Some(own)
+    progress::expect(order.entries.len() as u64);
+    let build = |piece: &mut Piece, (own, _): &(Range<usize>, Aabb)| {
+        append(plan, &order.entries, own.clone(), parts, (piece, &units))
     };
-    let parts: Option<Vec<_>> = chunks.into_par_iter().map_init(Piece::default, build).collect();
-    joined(plan, (units, ahead), entries, of_surfaces(&parts?, counts).map(<[_]>::concat))
+    let of_chunks = |chunks: &Chunks| {
+        let all = chunks.boxed.par_iter().map_init(Piece::default, build);
+        Some(all.collect::<Option<Vec<_>>>()?.concat())
+    };
+    let parts = with_large(plan, &order, &units, of_chunks)?;
+    joined(plan, (units, ahead), order.entries, parts)
 }
 
 /// A tree whose chunks are built by the rays that reach them; `None` if there is no room for it and
 /// as much for everything else.
-pub(super) fn on_demand(plan: &BuildPlan, chunks: Chunks) -> Option<Tree> {
-    let Chunks { entries, chunks, counts } = chunks;
-    let ahead = ahead(chunks.len() + joined_apart(plan.instances.len()));
-    let room = chunks.len() + plan.instances.len() + entries.len() * Demand::MOST_UNITS;
-    if ahead + room > MAX_UNITS {
+pub(super) fn on_demand(plan: &BuildPlan, order: Order) -> Option<Tree> {
+    let instances = plan.instances.len();
+    let ahead = ahead(order.groups() + order.large() + joined_apart(instances));
+    let room = order.groups() + instances + order.entries.len() * Demand::MOST_UNITS;
+    // A root stands for no chunk.
+    if ahead + room > MAX_UNITS || order.groups() + instances == 1 {
         return None;
     }
     let units = Units::mapped(ahead + room, ahead)?;
     // Where address space is limited, all else must find room too: a probe, unmapped at once.
     drop(Units::mapped(ahead + room, 0)?);
-    let place = |(number, &(_, bounds))| stand_in(&units, StandIn::Chunk, (number, bounds));
-    let parts: Option<Vec<_>> = (0..).zip(&chunks).map(place).collect();
-    let parts = of_surfaces(&parts?, counts).map(<[_]>::to_vec);
-    let tree = joined(plan, (units, ahead), entries, parts)?;
-    let unbuilt = |(entries, _)| Chunk { entries, built: OnceLock::new() };
-    let chunks = chunks.into_iter().map(unbuilt).collect();
-    Some(Tree { demand: Some(Demand { extents: plan.extents, chunks }), ..tree })
+    let chunks = order.surfaces.iter().flat_map(|of| &of.boxed);
+    let unbuilt =
+        |(own, _): &(Range<usize>, _)| Chunk { entries: own.clone(), built: OnceLock::new() };
+    let unbuilt = chunks.map(unbuilt).collect();
+    let mut numbers = 0..;
+    let of_chunks = |chunks: &Chunks| {
+        let boxes = chunks.boxed.iter().map(|&(_, bounds)| bounds);
+        let numbered = boxes.zip(numbers.by_ref());
+        numbered
+            .map(|(bounds, number)| stand_in(&units, StandIn::Chunk, (number, bounds)))
+            .collect()
+    };
+    let parts = with_large(plan, &order, &units, of_chunks)?;
+    let tree = joined(plan, (units, ahead), order.entries, parts)?;
+    Some(Tree { demand: Some(Demand { extents: plan.extents, chunks: unbuilt }), ..tree })
+}
+
+/// The parts of each kind of surfaces: those that chunks become, and those of large entries, as small as may be.
+fn with_large(
+    plan: &BuildPlan,
+    order: &Order,
+    units: &Units,
+    mut of_chunks: impl FnMut(&Chunks) -> Option<Vec<Part>>,
+) -> Option<[Vec<Part>; Surfaces::ALL.len()]> {
+    let [a, b, c] = order.surfaces.each_ref().map(|chunks| {
+        let mut parts = of_chunks(chunks)?;
+        let large = chunks.large.clone();
+        if !large.is_empty() {
+            let (most, place) = (large.len().min(JOINED), (&mut Piece::default(), units));
+            parts.extend(append(plan, &order.entries, large, most, place)?);
+        }
+        Some(parts)
+    });
+    Some([a?, b?, c?])
+}
+
+/// Builds some entries, at least one, and appends them in about `parts` parts.
+fn append(
+    plan: &BuildPlan,
+    entries: &[AtomicU32],
+    own: Range<usize>,
+    parts: usize,
+    (piece, units): (&mut Piece, &Units),
+) -> Option<Vec<Part>> {
+    progress::add(own.len() as u64);
+    let mut parts = piece.parts(plan, entries, own, parts);
+    let place = units.append(&piece.output.units)?;
+    parts.iter_mut().for_each(|part| part.unit += place);
+    Some(parts)
 }
 
 /// The part that stands for a chunk or an instance with that number and box: an empty list. It shares no
@@ -95,12 +137,6 @@ fn ahead(parts: usize) -> usize {
 /// So many parts need as many nodes as these instances: those that opening the last nodes may add are far fewer.
 fn joined_apart(instances: usize) -> usize {
     instances + instances / LANES
-}
-
-/// What chunks gave, by kind of surfaces, of which there are so many chunks.
-fn of_surfaces<T>(all: &[T], counts: [usize; 3]) -> [&[T]; 3] {
-    let mut rest = all;
-    counts.map(|count| rest.split_off(..count).unwrap_or_default())
 }
 
 /// The tree of the parts of each kind of surfaces, which are in `units` behind the room `ahead`, and of instances,

@@ -1,7 +1,7 @@
 //! Chunks that are built when a ray first reaches them: an image meets few of the triangles of a
 //! large scene.
 //!
-//! The tree above the chunks is built at once, over their boxes. In it an empty list stands for each
+//! The tree above the chunks is built at once, over their boxes and over what is too large for them. In it an empty list stands for each
 //! chunk. The first ray at such a list builds the chunk, while other rays that reach it wait, and the
 //! rest of the tree goes on. What was built is proved and appended to the arena before its place
 //! is published. Answers are as if everything had been there: a hit does not depend on the tree.

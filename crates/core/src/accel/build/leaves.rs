@@ -11,6 +11,7 @@ use obvhs::ploc::morton::morton_encode_u32;
 use super::entries::Entry;
 use crate::accel::wide::{SharedVertices, as_patch};
 use crate::math::LANES;
+use crate::math::float::{max, min};
 
 /// How much more a joint leaf may cost than two separate ones, as a share of the smaller one's
 /// cost. This makes fewer leaves and nodes: compared with 0, building a scan takes a seventh less
@@ -141,7 +142,7 @@ impl<const N: usize> LastLeaves<N> {
         let alone = bounds.half_area();
         from_fn(|lane| {
             let size = |axis: usize| {
-                self.high[axis][lane].max(high[axis]) - self.low[axis][lane].min(low[axis])
+                max(self.high[axis][lane], high[axis]) - min(self.low[axis][lane], low[axis])
             };
             let [x, y, z] = [size(0), size(1), size(2)];
             let more = ((x + y) * z + x * y) * self.fuller[lane] - self.cost[lane];

@@ -2,7 +2,8 @@
 //!
 //! A pass over every entry, in the scene's order, finds triangles without area, and the cell of a
 //! coarse grid that contains the centre of each other entry. Cells follow Morton's curve. A cell with
-//! too many entries is ordered by a finer grid of its own, so that the scene may be very uneven.
+//! too many entries is ordered by a finer grid of its own, so that the scene may be very uneven. Entries larger than a
+//! cell are put apart: their boxes would make those of chunks as large.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -28,14 +29,35 @@ const BLOCKS_A_THREAD: usize = 4;
 const MOST_BLOCKS: usize = 64;
 const LEAST_BLOCK: usize = 1 << 16;
 
-/// Entries in order. Chunks write the numbers of their leaves in place of their own.
-#[derive(Default)]
-pub(super) struct Chunks {
+/// If large entries would fill more chunks than this, they are cut into chunks as others are.
+const MOST_LARGE: usize = 4;
+
+/// Entries in order, by kind of surfaces. Chunks write the numbers of their leaves in place of their own.
+pub(super) struct Order {
     pub(super) entries: Vec<AtomicU32>,
-    /// The entries of each chunk, all of them in turn, and a box around them. No chunk is empty.
-    pub(super) chunks: Vec<(Range<usize>, Aabb)>,
-    /// The number of chunks of each kind of surfaces, which come in this order.
-    pub(super) counts: [usize; Surfaces::ALL.len()],
+    pub(super) surfaces: [Chunks; Surfaces::ALL.len()],
+}
+
+/// The entries of a kind of surfaces.
+#[derive(Clone, Default)]
+pub(super) struct Chunks {
+    /// The entries of each chunk, and a box around them. No chunk is empty.
+    pub(super) boxed: Vec<(Range<usize>, Aabb)>,
+    /// Entries larger than the cells, few: in a chunk each would make a box as large as itself.
+    pub(super) large: Range<usize>,
+}
+
+impl Order {
+    /// The number of chunks and of groups of large entries.
+    pub(super) fn groups(&self) -> usize {
+        let groups = |of: &Chunks| of.boxed.len() + usize::from(!of.large.is_empty());
+        self.surfaces.iter().map(groups).sum()
+    }
+
+    /// The number of large entries.
+    pub(super) fn large(&self) -> usize {
+        self.surfaces.iter().map(|of| of.large.len()).sum()
+    }
 }
 
 /// A box around everything that `geometry` holds itself.
@@ -46,23 +68,26 @@ pub(super) fn extents(geometry: &Geometry) -> Aabb {
 }
 
 /// Orders the entries that can be hit, all but triangles without area, by kind of surfaces, and cuts
-/// them into chunks of at most `most` of a kind. Boxes of chunks are computed only `with_boxes`.
-pub(super) fn chunks(
-    geometry: &Geometry,
-    extents: &Aabb,
-    (most, with_boxes): (usize, bool),
-) -> Chunks {
+/// them into chunks of at most `most` of a kind.
+pub(super) fn order(geometry: &Geometry, extents: &Aabb, most: usize) -> Order {
     let kinds = if geometry.passed.is_empty() { 1 } else { Surfaces::ALL.len() };
-    let mut all = Chunks::default();
+    let mut all = Order { entries: Vec::new(), surfaces: Default::default() };
     for surfaces in Surfaces::ALL.into_iter().take(kinds) {
-        let order = EntryOrder { geometry, surfaces, most, with_boxes };
-        let Chunks { entries, chunks, .. } = order.of_surfaces(extents);
-        let before = all.entries.len();
-        all.counts[surfaces as usize] = chunks.len();
-        all.chunks.extend(chunks.into_iter().map(|(part, bounds)| (moved(part, before), bounds)));
+        let of_surfaces = EntryOrder { geometry, surfaces, most };
+        let (entries, chunks) = of_surfaces.cut(extents);
+        all.surfaces[surfaces as usize] = chunks.moved(all.entries.len());
         all.entries.extend(entries);
     }
     all
+}
+
+impl Chunks {
+    /// The same behind that many entries.
+    fn moved(mut self, by: usize) -> Self {
+        let all = self.boxed.iter_mut().map(|(own, _)| own);
+        all.chain([&mut self.large]).for_each(|own| *own = own.start + by..own.end + by);
+        self
+    }
 }
 
 /// How to order the entries of a scene, those of a kind of surfaces.
@@ -70,7 +95,6 @@ struct EntryOrder<'a> {
     geometry: &'a Geometry,
     surfaces: Surfaces,
     most: usize,
-    with_boxes: bool,
 }
 
 /// Some entries in the scene's order.
@@ -85,8 +109,8 @@ struct Block {
 }
 
 impl EntryOrder<'_> {
-    /// Its entries that can be hit.
-    fn of_surfaces(&self, extents: &Aabb) -> Chunks {
+    /// Those that can be hit.
+    fn cut(&self, extents: &Aabb) -> (Vec<AtomicU32>, Chunks) {
         if self.geometry.entries() > self.most {
             return self.arrange(None, extents);
         }
@@ -94,7 +118,7 @@ impl EntryOrder<'_> {
         let entries: Vec<_> = entries.map(AtomicU32::new).collect();
         let whole = (0..entries.len(), *extents);
         let chunks = if entries.is_empty() { Vec::new() } else { vec![whole] };
-        Chunks { entries, chunks, ..Chunks::default() }
+        (entries, Chunks { boxed: chunks, large: 0..0 })
     }
 
     #[inline(always)]
@@ -108,12 +132,14 @@ impl EntryOrder<'_> {
     }
 
     /// Sorts `members`, or all entries, by the cells of a grid in `bounds`, and cuts.
-    fn arrange(&self, members: Option<&[AtomicU32]>, bounds: &Aabb) -> Chunks {
+    fn arrange(&self, members: Option<&[AtomicU32]>, bounds: &Aabb) -> (Vec<AtomicU32>, Chunks) {
         let count = members.map_or(self.geometry.entries(), <[_]>::len);
         let member = |i: usize| members.map_or(i as u32, |all| all[i].load(Ordering::Relaxed));
         // Over a surface, as many cells as chunks, and a few times more.
         let bits = (count.div_ceil(self.most).ilog2() / 2 + 2).min(MOST_BITS);
-        let all_cells = 1 << (3 * bits);
+        let grid = 1 << (3 * bits);
+        // The last is that of the large ones.
+        let all_cells = grid + 1;
         let scale = (1 << bits) as f32 / (bounds.high - bounds.low).max_element();
         // Members are a part of entries of which all are met.
         let is_known = members.is_some();
@@ -122,7 +148,7 @@ impl EntryOrder<'_> {
         let block = |first: usize| {
             let members = first * size..((first + 1) * size).min(count);
             let mut counts = vec![0; all_cells];
-            let mut boxes = vec![Aabb::EMPTY; if self.with_boxes { all_cells } else { 0 }];
+            let mut boxes = vec![Aabb::EMPTY; all_cells];
             let cell = |i: usize| {
                 let entry = member(i);
                 if !is_known && !self.is_met(entry) {
@@ -133,12 +159,11 @@ impl EntryOrder<'_> {
                 // and counts as 0.
                 let at = (middle(&own) - bounds.low) * scale;
                 let [x, y, z] = at.to_array().map(|x| (x as u16).min((1 << bits) - 1));
-                let cell = morton_encode_u32(x, y, z) as u16;
-                counts[cell as usize] += 1;
-                if let Some(bounds) = boxes.get_mut(cell as usize) {
-                    *bounds = bounds.union(own);
-                }
-                cell
+                let is_large = !is_known && (own.high - own.low).max_element() * scale > 1.0;
+                let cell = if is_large { grid } else { morton_encode_u32(x, y, z) as usize };
+                counts[cell] += 1;
+                boxes[cell] = boxes[cell].union(own);
+                cell as u16
             };
             let cells = members.clone().map(cell).collect();
             Block { members, cells, counts, boxes }
@@ -165,24 +190,35 @@ impl EntryOrder<'_> {
             }
         });
         let mut runs = Vec::new();
-        cut(&starts, 0..all_cells, self.most, &mut runs);
+        cut(&starts, 0..grid, self.most, &mut runs);
+        let mut large = starts[grid]..starts[all_cells];
+        if large.len() > MOST_LARGE * self.most {
+            large = 0..0;
+            runs.push(grid..all_cells);
+        }
         let chunks_of = |cells: Range<usize>| {
-            let boxes = blocks.iter().flat_map(|block| block.boxes.get(cells.clone())).flatten();
+            let boxes = blocks.iter().flat_map(|block| &block.boxes[cells.clone()]);
             let bounds = boxes.fold(Aabb::EMPTY, |all, &own| all.union(own));
             self.chunks_of(&entries, starts[cells.start]..starts[cells.end], bounds)
         };
         let found: Vec<_> = parallel::map(runs.into_iter(), chunks_of);
         let mut chunks: Vec<(Range<usize>, Aabb)> = Vec::new();
         for (run, bounds) in found.into_iter().flatten() {
-            // Short runs share a chunk.
-            match chunks.last_mut() {
-                Some((last, around)) if last.len() + run.len() <= self.most => {
-                    (last.end, *around) = (run.end, around.union(bounds));
+            // Short runs share a chunk, unless the curve has jumped between them.
+            let join = |(last, around): &mut (Range<usize>, Aabb)| {
+                let both = around.union(bounds);
+                let fits = last.len() + run.len() <= self.most
+                    && both.half_area() <= around.half_area() + bounds.half_area();
+                if fits {
+                    (last.end, *around) = (run.end, both);
                 }
-                _ => chunks.push((run, bounds)),
+                fits
+            };
+            if !chunks.last_mut().is_some_and(join) {
+                chunks.push((run, bounds));
             }
         }
-        Chunks { entries, chunks, ..Chunks::default() }
+        (entries, Chunks { boxed: chunks, large })
     }
 
     /// The chunks of a run of `entries`, in a box.
@@ -205,18 +241,12 @@ impl EntryOrder<'_> {
             return ends.map(|start| (start..(start + self.most).min(run.end), bounds)).collect();
         }
         // The ends of the longest axis are in different cells, so this comes to an end.
-        let finer = self.arrange(Some(own), &centers);
-        own.iter().zip(finer.entries).for_each(|(entry, new)| {
+        let (entries, finer) = self.arrange(Some(own), &centers);
+        own.iter().zip(entries).for_each(|(entry, new)| {
             entry.store(new.into_inner(), Ordering::Relaxed);
         });
-        let moved = |(part, bounds)| (moved(part, run.start), bounds);
-        finer.chunks.into_iter().map(moved).collect()
+        finer.moved(run.start).boxed
     }
-}
-
-/// A range behind that many entries.
-fn moved(Range { start, end }: Range<usize>, by: usize) -> Range<usize> {
-    start + by..end + by
 }
 
 /// Halves the range of cells until each part has at most `most` entries or is one cell. Returns the
