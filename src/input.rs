@@ -104,6 +104,9 @@ pub(crate) struct InputOptions {
     /// Smooth the edges of a mesh without normals up to this angle between faces; 0 for flat faces [default: 30]
     #[arg(long, help_heading = VIEW, value_name = "DEGREES", value_parser = degrees)]
     pub(crate) crease: Option<f64>,
+    /// The most triangles of a mesh file to read: of a page's first image.
+    #[arg(skip)]
+    pub(crate) first: Option<u64>,
 }
 
 impl InputOptions {
@@ -147,6 +150,7 @@ impl InputOptions {
             color: self.color,
             environment: self.environment.clone(),
             like_meshes: false,
+            first: self.first,
         }
     }
 

@@ -123,6 +123,8 @@ pub(super) struct Exchange {
     pub(super) board: watch::Sender<Board>,
     /// Whether a scene is being prepared.
     prepares: AtomicBool,
+    /// Whether what is shown meanwhile is the first part of the file.
+    pub(super) shows_part: AtomicBool,
 }
 
 impl Exchange {
@@ -136,7 +138,11 @@ impl Exchange {
     /// Tells how far the preparation of a scene is, if one is being prepared.
     pub(super) fn send_progress(&self) {
         if self.prepares.load(Ordering::Relaxed) {
-            let ([done, all], stage) = (progress::now(), memory::Stage::now().name());
+            let ([done, all], mut stage) =
+                (progress::now(), memory::Stage::now().name().to_owned());
+            if self.shows_part.load(Ordering::Relaxed) {
+                stage += ": the image shows the first part of the file";
+            }
             let message = json!({"kind": "progress", "stage": stage, "done": done, "all": all});
             self.send(Kind::Progress, message.to_string());
         }

@@ -8,6 +8,7 @@ mod messages;
 mod preparing;
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
@@ -29,6 +30,7 @@ use wavecrest_image::farm::{Author, Pass, Passes};
 use wavecrest_image::look;
 use wavecrest_scene::components::View;
 use wavecrest_scene::load::LoadedScene;
+use wavecrest_scene::mesh;
 
 /// Seconds of a frame while something moves, with some left for what moves it.
 const FRAME: f64 = 0.9 / 15.0;
@@ -65,46 +67,70 @@ pub(super) struct Painter<'a> {
     pace: Option<f64>,
 }
 
+/// A file of more bytes is shown by its first triangles, at most so many, until all is read.
+const LARGE_FILE: u64 = 1 << 27;
+const FIRST_TRIANGLES: u64 = 1 << 20;
+
 /// Shows the scene of `args` until the process ends.
 ///
 /// # Errors
 /// If it cannot be loaded or prepared, or an image can no longer be decoded.
 pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) -> Result<()> {
-    let input = &args.scene_options.input;
-    let up = input.axis();
-    let (look, stays) = (args.look, input.lights_stay);
-    let first = |loaded: &LoadedScene, size| Shown {
-        size,
-        look,
-        up,
-        stays: stays || loaded.usual_view().is_some() && loaded.triangles() > MOST_FOLLOWED,
-        exposure: 0.0,
-        transfer: None,
-    };
-    let (ready, view, shown) = Ready::open(args, exchange, first)?;
-    let half = Half::of_file(args.scene_options.precision, args.tracer, ready.rays());
-    let mut painter = Painter {
-        args: args.clone(),
-        exchange,
-        take_away,
-        ready,
-        steering: Steering::new(view),
-        halves: vec![half],
-        shown,
-        own_size: shown.size,
-        progress: Default::default(),
-        figures: Default::default(),
-        tried: Tried::default(),
-        pace: None,
-    };
-    painter.send_plan();
-    let first = json!({"kind": "progress", "stage": "tracing the first rays", "done": 0, "all": 0});
-    exchange.send(Kind::Progress, first.to_string());
-    painter.restart();
+    let is_large = args.scene.metadata().is_ok_and(|data| data.len() > LARGE_FILE);
+    if is_large && mesh::has_parts(&args.scene) {
+        let mut part = args.clone();
+        (part.scene_options.input.first, part.scene_options.quiet) = (Some(FIRST_TRIANGLES), true);
+        // What is wrong with the file is told by who reads all of it.
+        if let Ok(mut painter) = Painter::open(&part, exchange, take_away) {
+            // A small image, then one as large as its pace allows.
+            painter.draft()?;
+            painter.draft()?;
+            exchange.shows_part.store(true, Ordering::Relaxed);
+        }
+    }
+    let mut painter = Painter::open(args, exchange, take_away)?;
+    exchange.shows_part.store(false, Ordering::Relaxed);
     painter.run()
 }
 
 impl<'a> Painter<'a> {
+    /// Reads and prepares the scene of `args`.
+    fn open(args: &ViewArgs, exchange: &'a Exchange, take_away: &'a TakeAway) -> Result<Self> {
+        let input = &args.scene_options.input;
+        let up = input.axis();
+        let (look, stays) = (args.look, input.lights_stay);
+        let first = |loaded: &LoadedScene, size| Shown {
+            size,
+            look,
+            up,
+            stays: stays || loaded.usual_view().is_some() && loaded.triangles() > MOST_FOLLOWED,
+            exposure: 0.0,
+            transfer: None,
+        };
+        let (ready, view, shown) = Ready::open(args, exchange, first)?;
+        let half = Half::of_file(args.scene_options.precision, args.tracer, ready.rays());
+        let mut painter = Self {
+            args: args.clone(),
+            exchange,
+            take_away,
+            ready,
+            steering: Steering::new(view),
+            halves: vec![half],
+            shown,
+            own_size: shown.size,
+            progress: Default::default(),
+            figures: Default::default(),
+            tried: Tried::default(),
+            pace: None,
+        };
+        painter.send_plan();
+        let first =
+            json!({"kind": "progress", "stage": "tracing the first rays", "done": 0, "all": 0});
+        exchange.send(Kind::Progress, first.to_string());
+        painter.restart();
+        Ok(painter)
+    }
+
     /// Renders and takes requests in turn.
     fn run(&mut self) -> Result<()> {
         let mut moves = true;

@@ -4,7 +4,7 @@ mod client;
 mod proxy;
 mod slow;
 
-use std::io::{Read, Write};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
@@ -234,6 +234,37 @@ fn notches_lead_back_and_not_through_the_floor() {
         assert!(met.contains("of scene.shapes[0]"), "{by}: {met}");
     }
     assert_ne!(shown.socket().next("state")["camera"], first);
+}
+
+/// The file has a triangle at its beginning, and another at its end.
+#[test]
+fn a_large_file_is_shown_by_its_first_part_until_all_is_read() {
+    let folder = folder();
+    let path = folder.path().join("large.stl");
+    let mut file = std::fs::File::create(&path).expect("a file");
+    let count = 3_000_000_u32;
+    let triangle = |x: f32| {
+        let corners = [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.5]];
+        let corners = corners.as_flattened().iter().flat_map(|number| number.to_le_bytes());
+        [vec![0; 12], corners.collect(), vec![0; 2]].concat()
+    };
+    file.write_all(&[&[0; 80], &count.to_le_bytes()[..], &triangle(0.0)].concat()).expect("room");
+    file.set_len(84 + 50 * u64::from(count - 1)).expect("a length");
+    file.seek(SeekFrom::End(0)).expect("a place");
+    file.write_all(&triangle(9.0)).expect("room");
+    let shown = Shown::begin_of(&path, |command| command.arg("--no-open"));
+    let mut socket = shown.socket();
+    let first = socket.next("state")["camera"].take();
+    let mut is_told = false;
+    loop {
+        let message = socket.receive();
+        let stage = message["stage"].as_str().unwrap_or_default();
+        is_told |= stage.ends_with("the image shows the first part of the file");
+        if message["kind"] == "state" && message["camera"] != first {
+            break;
+        }
+    }
+    assert!(is_told);
 }
 
 /// What is shown and saved stays what was read.

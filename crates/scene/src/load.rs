@@ -67,7 +67,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
         FileFormat::Gltf => load_gltf(gltf::read(path)?, path, options),
         FileFormat::Mesh => {
             mesh::announce(path);
-            load_standalone(path, options, || mesh::load(path))
+            load_standalone(path, options, || mesh::load_first(path, options.first))
         }
     }
 }

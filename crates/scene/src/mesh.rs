@@ -53,11 +53,16 @@ use place::ReadAt;
 /// format, [`ErrorKind::Mesh`] if its contents do not form a mesh and [`ErrorKind::Limit`] if it is
 /// too large.
 pub fn load(path: &Path) -> Result<LoadedMesh> {
+    load_first(path, None)
+}
+
+/// As [`load`], but of a file that has parts the first triangles alone: at most so many faces.
+pub(crate) fn load_first(path: &Path, faces: Option<u64>) -> Result<LoadedMesh> {
     let format = MeshFormat::of(path)?;
     let cannot_open = |error| Error::io("cannot open the mesh file", path, error);
     let (file, length) = open(path).map_err(cannot_open)?;
     let _reading = Activity::new(format!("reading {}", path.display()));
-    read(format, &file, length, None, path)
+    read(format, &file, length, (faces, None), path)
 }
 
 /// Announces to the progress that the file at `path` will be read.
@@ -79,6 +84,11 @@ pub fn is_mesh_name(path: &Path) -> bool {
     MeshFormat::of(path).is_ok()
 }
 
+/// Whether the first triangles of a file can be read without the rest: those of PLY and STL.
+pub fn has_parts(path: &Path) -> bool {
+    MeshFormat::of(path).is_ok_and(|format| format != MeshFormat::Obj)
+}
+
 /// As [`load`], for a file with these `bytes`, read in portions of about `portion` bytes. The
 /// result does not depend on `portion`: tests use it to cut small inputs like large files.
 ///
@@ -87,26 +97,26 @@ pub fn is_mesh_name(path: &Path) -> bool {
 /// As [`load`].
 #[doc(hidden)]
 pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMesh> {
-    read(MeshFormat::of(path)?, &bytes, bytes.len() as u64, Some(portion.max(1)), path)
+    read(MeshFormat::of(path)?, &bytes, bytes.len() as u64, (None, Some(portion.max(1))), path)
 }
 
 /// Size of the buffer of each thread, and of its pieces of a text.
 const BUFFER: usize = 1 << 17;
 
-/// Reads a file of `length` bytes, in portions of about this size if it is given.
+/// Reads a file of `length` bytes: its first faces if their number is given, in portions of about this size if that is.
 fn read(
     format: MeshFormat,
     file: &dyn ReadAt,
     length: u64,
-    portion: Option<usize>,
+    (faces, portion): (Option<u64>, Option<usize>),
     path: &Path,
 ) -> Result<LoadedMesh> {
     let buffer = portion.unwrap_or(BUFFER);
     let (block, piece) = portion.map_or((obj::BLOCK, BUFFER), |size| (size, size.div_ceil(4)));
     let loaded = match format {
-        MeshFormat::Ply => ply::read(file, length, buffer),
+        MeshFormat::Ply => ply::read(file, length, buffer, faces),
         MeshFormat::Obj => obj::read(file, length, block, piece),
-        MeshFormat::Stl => stl::read(file, length, buffer),
+        MeshFormat::Stl => stl::read(file, length, buffer, faces),
     };
     let (mesh, notes, materials) = loaded.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();
@@ -208,6 +218,44 @@ pub(crate) mod tests {
             let named = [".ply", ".obj", ".stl"].iter().all(|known| error.contains(known));
             assert!(named, "{error}");
         }
+    }
+
+    #[test]
+    fn the_first_faces_are_read_without_the_rest() {
+        let MeshData { positions, triangles, .. } = strip(10);
+        let head = |format| {
+            let xyz = "property float x\nproperty float y\nproperty float z\n";
+            let of_faces = "element face 10\nproperty list uchar int vertex_indices\nelement rest 1\nproperty int n\n";
+            format!("ply\nformat {format} 1.0\nelement vertex 12\n{xyz}{of_faces}end_header\n")
+        };
+        let mut text = head("ascii");
+        text.extend(positions.iter().map(|p| format!("{} {} {}\n", p.x, p.y, p.z)));
+        text.extend(triangles.iter().map(|[a, b, c]| format!("3 {a} {b} {c}\n")));
+        let mut binary = head("binary_little_endian").into_bytes();
+        let mut stl = [vec![b' '; 80], 10_u32.to_le_bytes().to_vec()].concat();
+        let bytes = |p: &Vec3| p.to_array().map(f32::to_le_bytes).as_flattened().to_vec();
+        binary.extend(positions.iter().flat_map(bytes));
+        for corners in &*triangles {
+            binary.extend([&[3][..], corners.map(u32::to_le_bytes).as_flattened()].concat());
+            stl.extend([0; 12]);
+            stl.extend(corners.iter().flat_map(|&i| bytes(&positions[i as usize])));
+            stl.extend([0; 2]);
+        }
+        text.push_str("7\n");
+        binary.extend([7, 0, 0, 0]);
+        let files = [("a.ply", text.into_bytes()), ("b.ply", binary), ("c.stl", stl)];
+        for (name, bytes) in files {
+            let (path, length) = (Path::new(name), bytes.len() as u64);
+            assert!(has_parts(path));
+            for (first, vertices) in [(4, 6), (10, 12), (99, 12)] {
+                let how = (Some(first), Some(29));
+                let loaded = read(MeshFormat::of(path).unwrap(), &&bytes[..], length, how, path);
+                let mesh = loaded.unwrap().mesh;
+                assert_eq!(*mesh.triangles, triangles[..10.min(first as usize)], "{name}");
+                assert_eq!(*mesh.positions, positions[..vertices], "{name}");
+            }
+        }
+        assert!(!has_parts(Path::new("a.obj")) && !has_parts(Path::new("a.glb")));
     }
 
     /// Opening a pipe without a writer would wait forever, and a device may have no end.

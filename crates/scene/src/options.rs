@@ -46,6 +46,8 @@ pub struct LoadOptions {
     /// guessed, vertex colours have the sRGB curve, edges are smoothed by their angle, and a surface without a material
     /// has the usual one of meshes, whose opacity is the alpha of its vertices.
     pub like_meshes: bool,
+    /// The most triangles that are read of a mesh file alone: those that come first ([`mesh::has_parts`](crate::mesh::has_parts)).
+    pub first: Option<u64>,
 }
 
 /// The most rays per pixel, of the largest grid.

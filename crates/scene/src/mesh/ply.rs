@@ -23,13 +23,26 @@ mod vertices;
 
 use super::data::Read;
 use super::place::ReadAt;
+use header::Element;
 use numbers::Numbers;
 use wavecrest_base::error::Result;
 
-/// Reads a file of `length` bytes.
-pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
-    let header = header::read(file, length)?;
-    body::read(&header, Numbers::new(file, &header, length, buffer))
+/// Reads a file of `length` bytes, up to so many `faces` if their number is given.
+pub(super) fn read(
+    file: &dyn ReadAt,
+    length: u64,
+    buffer: usize,
+    faces: Option<u64>,
+) -> Result<Read> {
+    let mut header = header::read(file, length)?;
+    let most = faces.unwrap_or(u64::MAX);
+    let is_longer = |element: &Element| element.name == "face" && element.count > most;
+    let longer = header.elements.iter().position(is_longer);
+    if let Some(longer) = longer {
+        header.elements[longer].count = most;
+        header.elements.truncate(longer + 1);
+    }
+    body::read(&header, Numbers::new(file, &header, length, buffer), longer.is_some())
 }
 
 #[cfg(test)]

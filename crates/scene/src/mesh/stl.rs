@@ -50,12 +50,17 @@ const FRAME: [&str; 5] = ["solid", "endsolid", "facet", "outer", "endfacet"];
 /// The corners of a file's triangles, and warnings.
 type StlTriangles = (Vec<[Vec3; 3]>, Vec<Error>);
 
-/// Reads a file of `length` bytes.
-pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
+/// Reads a file of `length` bytes, of a binary one the first triangles if their number is given.
+pub(super) fn read(
+    file: &dyn ReadAt,
+    length: u64,
+    buffer: usize,
+    first: Option<u64>,
+) -> Result<Read> {
     let (head, line_end) = form(file, length)?;
     let (corners, notes) = match line_end {
         Some(end) => read_text(file, end, buffer)?,
-        None => read_binary(file, &head, length, buffer)?,
+        None => read_binary(file, (&head, length), buffer, first)?,
     };
     if corners.is_empty() {
         return Err(no_triangles());
@@ -126,9 +131,9 @@ fn room(length: u64) -> u64 {
 /// Reads the triangles after `head` of a file of `length` bytes.
 fn read_binary(
     file: &dyn ReadAt,
-    head: &[u8; HEAD],
-    length: u64,
+    (head, length): (&[u8; HEAD], u64),
     buffer: usize,
+    first: Option<u64>,
 ) -> Result<StlTriangles> {
     let count = count(head);
     if count > room(length) {
@@ -143,6 +148,7 @@ fn read_binary(
     if left > 0 {
         notes.push(syntax("bytes after the last triangle are ignored").value(left));
     }
+    let count = first.map_or(count, |first| count.min(first));
     let mut triangles: Vec<[Vec3; 3]> = bytemuck::zeroed_vec(count as usize);
     let at_once = (buffer / TRIANGLE).max(1);
     let parts = triangles.chunks_mut(at_once).enumerate();

@@ -12,8 +12,12 @@ use crate::mesh::polygon;
 use crate::mesh::validate::{mend, scale_byte_colors};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// Reads the whole body into a mesh.
-pub(super) fn read<'a>(header: &'a Header, mut numbers: Numbers<'a>) -> Result<Read> {
+/// Reads the whole body into a mesh. That of a part of the faces has no vertices behind those that these use.
+pub(super) fn read<'a>(
+    header: &'a Header,
+    mut numbers: Numbers<'a>,
+    is_part: bool,
+) -> Result<Read> {
     let vertex = header.elements.iter().find(|e| e.name == "vertex").ok_or_else(|| {
         syntax("the header declares no element \"vertex\"")
             .remedy("declare one, with the properties x, y and z")
@@ -24,6 +28,10 @@ pub(super) fn read<'a>(header: &'a Header, mut numbers: Numbers<'a>) -> Result<R
     for element in header.elements.iter().filter(|e| !e.properties.is_empty() || e.count > 0) {
         numbers.element = Some(element);
         body.element(element, &mut numbers)?;
+    }
+    if is_part {
+        let last = body.faces.triangles.as_flattened().iter().max();
+        body.vertices.truncate(last.map_or(0, |&last| last as usize + 1));
     }
     let bytes = numbers.trailing()?;
     if bytes > 0 {

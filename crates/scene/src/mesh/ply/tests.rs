@@ -12,7 +12,7 @@ use crate::mesh::{BUFFER, MeshData};
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that rows lie across its ends.
-    alike([29, BUFFER], |buffer| super::read(&bytes, bytes.len() as u64, *buffer))
+    alike([29, BUFFER], |buffer| super::read(&bytes, bytes.len() as u64, *buffer, None))
 }
 
 fn mesh(bytes: &[u8]) -> MeshData {

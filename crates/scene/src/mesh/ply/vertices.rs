@@ -31,6 +31,14 @@ pub(super) struct VertexArrays {
 type Destination<'a> = [&'a mut [f32]; 4];
 
 impl VertexArrays {
+    /// Keeps the first ones.
+    pub(super) fn truncate(&mut self, count: usize) {
+        self.positions.truncate(count);
+        self.normals.truncate(count);
+        self.uvs.truncate(count);
+        self.colors.truncate(count);
+    }
+
     /// Room for `count` vertices. The caller has checked the count against the size of the file.
     pub(super) fn new(count: usize, layout: &VertexLayout) -> Self {
         let of = |first: usize| layout.sources[first].map_or(0, |_| count);

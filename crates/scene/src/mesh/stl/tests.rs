@@ -6,7 +6,7 @@ use crate::mesh::tests::alike;
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that lines and triangles lie across its ends.
-    alike([29, BUFFER], |buffer| super::read(&bytes, bytes.len() as u64, *buffer))
+    alike([29, BUFFER], |buffer| super::read(&bytes, bytes.len() as u64, *buffer, None))
 }
 
 fn mesh(bytes: &[u8]) -> MeshData {

@@ -4,7 +4,7 @@ use super::*;
 use crate::mesh::NamedMaterials;
 
 fn read(bytes: &[u8]) -> Read {
-    super::super::read(&bytes, bytes.len() as u64, BUFFER).unwrap()
+    super::super::read(&bytes, bytes.len() as u64, BUFFER, None).unwrap()
 }
 
 const CORNERS: &str = "property list uchar float texcoord";

@@ -17,7 +17,7 @@ fn slowly(bytes: &[u8]) -> Result<Read> {
     let header = header::read(&bytes, length)?;
     let mut numbers = Numbers::new(&bytes, &header, length, 64);
     numbers.block = 0;
-    body::read(&header, numbers)
+    body::read(&header, numbers, false)
 }
 
 /// Sizes of the buffer, and the threads, started once.
@@ -33,7 +33,7 @@ fn check(bytes: &[u8], what: &str) -> Option<MeshData> {
     let ways = std::iter::once(None).chain(WAYS.iter().map(Some)).map(|way| (what, way));
     let read = alike(ways, |(_, way)| match way {
         None => slowly(bytes),
-        Some((buffer, pool)) => pool.install(|| read(&bytes, bytes.len() as u64, *buffer)),
+        Some((buffer, pool)) => pool.install(|| read(&bytes, bytes.len() as u64, *buffer, None)),
     });
     read.ok().map(|read| read.0)
 }
@@ -190,7 +190,7 @@ fn a_file_that_shrinks_is_an_error() {
     for faces in [vec![&[0, 1, 2][..]; 900], vec![&[0, 1, 2, 3][..]; 900]] {
         let bytes = packed(false, &faces);
         for cut in [bytes.len() - 1, bytes.len() / 2, bytes.len() - 900 * 13 - 5] {
-            let error = read(&&bytes[..cut], bytes.len() as u64, 64).unwrap_err().to_string();
+            let error = read(&&bytes[..cut], bytes.len() as u64, 64, None).unwrap_err().to_string();
             assert!(error.contains("the file is cut off"), "{error}");
         }
     }
