@@ -9,7 +9,6 @@
 //! | key | unit | meaning |
 //! |---|---|---|
 //! | `version`, `command` | | the program and its arguments |
-//! | `commit` | | of the checkout that contains the program, with a `+` if its files are modified (`null` outside a checkout) |
 //! | `machine.processor`, `.cores`, `.threads`, `.os` | | its model (`null` if unknown), the cores available to the program, and the threads in use |
 //! | `machine.caches[].level`, `.bytes`, `.shared_by` | bytes | the caches of data, and the processors that share one |
 //! | `scenes` | | one entry for each scene, in the order of the command line: |

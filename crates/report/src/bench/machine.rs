@@ -1,9 +1,8 @@
-//! The machine of a benchmark, and the commit of its program.
+//! The machine of a benchmark.
 
 #![allow(missing_docs, reason = "the tables of crate::bench say it once")]
 
 use std::path::Path;
-use std::process::Command;
 
 use serde::{Deserialize, Serialize};
 
@@ -12,8 +11,6 @@ use serde::{Deserialize, Serialize};
 pub struct Circumstances {
     /// The arguments.
     pub command: Vec<String>,
-    /// The commit of the checkout that contains the program, with a `+` if it was modified.
-    pub commit: Option<String>,
     /// The machine.
     pub machine: Machine,
 }
@@ -21,7 +18,7 @@ pub struct Circumstances {
 impl Circumstances {
     /// Those of this process, with these arguments.
     pub fn here(command: Vec<String>) -> Self {
-        Self { command, commit: commit(), machine: Machine::this() }
+        Self { command, machine: Machine::this() }
     }
 }
 
@@ -97,21 +94,4 @@ fn processors_in(list: &str) -> Option<usize> {
         last.parse::<usize>().ok()?.checked_sub(first.parse().ok()?).map(|more| more + 1)
     };
     list.split(',').map(count).sum()
-}
-
-/// The commit of the checkout that contains this program, with a `+` if its files are modified;
-/// `None` outside a checkout, or without git.
-fn commit() -> Option<String> {
-    let program = std::env::current_exe().ok()?;
-    let folder = program.parent()?;
-    let head = git(folder, &["rev-parse", "HEAD"])?;
-    let changed = git(folder, &["status", "--porcelain", "--untracked-files=no"])?;
-    Some(if changed.is_empty() { head } else { head + "+" })
-}
-
-/// The output of git in `folder`.
-fn git(folder: &Path, arguments: &[&str]) -> Option<String> {
-    let output = Command::new("git").arg("-C").arg(folder).args(arguments).output().ok()?;
-    let text = String::from_utf8(output.stdout).ok()?;
-    output.status.success().then(|| text.trim().to_owned())
 }

@@ -248,7 +248,6 @@ fn unknown() -> String {
 pub(crate) fn recorded(of: &Circumstances, version: &str, arguments: &[String]) -> [Block; 2] {
     let mut facts = machine(&of.machine);
     facts.push(("wavecrest", version.to_owned()));
-    facts.push(("commit", of.commit.clone().unwrap_or_else(unknown)));
     let command = ["wavecrest"].into_iter().chain(arguments.iter().map(String::as_str));
     [Block::Facts(facts), Block::Code(words::command(command))]
 }
