@@ -14,7 +14,7 @@ use crate::common::{
 use crate::progress::{Display, Style};
 use wavecrest_api::{self as api, session::Session};
 use wavecrest_base::choice::Choice as _;
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
@@ -104,7 +104,7 @@ pub(crate) struct InputOptions {
     /// Smooth the edges of a mesh without normals up to this angle between faces; 0 for flat faces [default: 30]
     #[arg(long, help_heading = VIEW, value_name = "DEGREES", value_parser = degrees)]
     pub(crate) crease: Option<f64>,
-    /// The most triangles of a mesh file to read: of a page's first image.
+    /// The faces of a mesh file to read, for a page's first image. What is wrong with the file is told once all is read.
     #[arg(skip)]
     pub(crate) first: Option<u64>,
 }
@@ -316,11 +316,18 @@ impl SceneOptions {
     /// Reads `scene` with a bar, and prints its warnings.
     pub(crate) fn load(&self, scene: &Path) -> Result<LoadedScene> {
         let mut loaded = {
-            let _reading = Display::new(Style::Auto, self.quiet);
+            let _reading = Display::new(Style::Auto, self.quiet || self.input.first.is_some());
             self.read(scene)?
         };
-        tell_all(&mut loaded.warnings, &mut loaded.notes, self.quiet);
+        self.tell(&mut loaded.warnings, &mut loaded.notes);
         Ok(loaded)
+    }
+
+    /// Prints what is to be told of a file, and nothing of a part of one.
+    pub(crate) fn tell(&self, warnings: &mut Vec<Warning>, notes: &mut Vec<Warning>) {
+        if self.input.first.is_none() {
+            tell_all(warnings, notes, self.quiet);
+        }
     }
 
     /// Reads `scene`, within the limit of memory.

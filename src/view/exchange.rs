@@ -141,7 +141,7 @@ impl Exchange {
             let ([done, all], mut stage) =
                 (progress::now(), memory::Stage::now().name().to_owned());
             if self.shows_part.load(Ordering::Relaxed) {
-                stage += ": the image shows the first part of the file";
+                stage += ": the image shows the first part of the file, as if it were all";
             }
             let message = json!({"kind": "progress", "stage": stage, "done": done, "all": all});
             self.send(Kind::Progress, message.to_string());

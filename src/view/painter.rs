@@ -30,7 +30,6 @@ use wavecrest_image::farm::{Author, Pass, Passes};
 use wavecrest_image::look;
 use wavecrest_scene::components::View;
 use wavecrest_scene::load::LoadedScene;
-use wavecrest_scene::mesh;
 
 /// Seconds of a frame while something moves, with some left for what moves it.
 const FRAME: f64 = 0.9 / 15.0;
@@ -67,29 +66,29 @@ pub(super) struct Painter<'a> {
     pace: Option<f64>,
 }
 
-/// A file of more bytes is shown by its first triangles, at most so many, until all is read.
+/// A mesh file of more bytes is shown by so many of its faces, the first, until all is read.
 const LARGE_FILE: u64 = 1 << 27;
-const FIRST_TRIANGLES: u64 = 1 << 20;
+const FIRST_FACES: u64 = 1 << 20;
 
 /// Shows the scene of `args` until the process ends.
 ///
 /// # Errors
 /// If it cannot be loaded or prepared, or an image can no longer be decoded.
 pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) -> Result<()> {
-    let is_large = args.scene.metadata().is_ok_and(|data| data.len() > LARGE_FILE);
-    if is_large && mesh::has_parts(&args.scene) {
+    if args.scene.metadata().is_ok_and(|data| data.len() > LARGE_FILE) {
         let mut part = args.clone();
-        (part.scene_options.input.first, part.scene_options.quiet) = (Some(FIRST_TRIANGLES), true);
-        // What is wrong with the file is told by who reads all of it.
+        part.scene_options.input.first = Some(FIRST_FACES);
         if let Ok(mut painter) = Painter::open(&part, exchange, take_away) {
             // A small image, then one as large as its pace allows.
-            painter.draft()?;
-            painter.draft()?;
-            exchange.shows_part.store(true, Ordering::Relaxed);
+            let is_shown = painter.draft().and_then(|()| painter.draft()).is_ok();
+            exchange.shows_part.store(is_shown, Ordering::Relaxed);
         }
     }
     let mut painter = Painter::open(args, exchange, take_away)?;
-    exchange.shows_part.store(false, Ordering::Relaxed);
+    if exchange.shows_part.swap(false, Ordering::Relaxed) {
+        // What was asked meanwhile was about the camera and the settings of the part.
+        exchange.inbox.take(Duration::ZERO);
+    }
     painter.run()
 }
 

@@ -8,7 +8,6 @@ use super::ViewArgs;
 use super::exchange::Exchange;
 use super::request::{Half, Shown};
 use super::steering::{Seen, Steering};
-use crate::common::tell_all;
 use wavecrest_api::SceneOptions;
 use wavecrest_api::session::Session;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -113,7 +112,7 @@ impl Ready {
         check_size(args, size)?;
         let shown = shown(&loaded, size);
         let (mut session, view, lit) = session(args, &loaded, (&shown, None), || {})?;
-        tell_all(&mut session.warnings, &mut session.notes, args.scene_options.quiet);
+        args.scene_options.tell(&mut session.warnings, &mut session.notes);
         Ok((Self::of(session, loaded, lit), view, shown))
     }
 

@@ -63,6 +63,9 @@ pub struct LoadedScene {
 pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     Stage::Read.begin();
     match FileFormat::of(path)? {
+        FileFormat::Scene | FileFormat::Gltf if options.first.is_some() => {
+            Err(mesh::no_part().in_file(path))
+        }
         FileFormat::Scene => load_str(&read_text(path)?, path, options),
         FileFormat::Gltf => load_gltf(gltf::read(path)?, path, options),
         FileFormat::Mesh => {

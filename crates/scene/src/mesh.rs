@@ -35,6 +35,7 @@ use wavecrest_base::read::open;
 pub use data::{
     Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE, NamedMaterials, VertexColors,
 };
+pub(crate) use faults::no_part;
 pub use join::first_of_each;
 pub use origin::{origin, relative};
 pub(crate) use scalar::Scalar;
@@ -56,7 +57,8 @@ pub fn load(path: &Path) -> Result<LoadedMesh> {
     load_first(path, None)
 }
 
-/// As [`load`], but of a file that has parts the first triangles alone: at most so many faces.
+/// As [`load`], but at most so many faces, those that come first, if their number is given. It is an error
+/// if the file is no binary PLY or STL with more.
 pub(crate) fn load_first(path: &Path, faces: Option<u64>) -> Result<LoadedMesh> {
     let format = MeshFormat::of(path)?;
     let cannot_open = |error| Error::io("cannot open the mesh file", path, error);
@@ -82,11 +84,6 @@ pub(crate) fn checked(mesh: MeshData, name: &Path) -> Result<LoadedMesh> {
 /// Whether `path` has the extension of a mesh file.
 pub fn is_mesh_name(path: &Path) -> bool {
     MeshFormat::of(path).is_ok()
-}
-
-/// Whether the first triangles of a file can be read without the rest: those of PLY and STL.
-pub fn has_parts(path: &Path) -> bool {
-    MeshFormat::of(path).is_ok_and(|format| format != MeshFormat::Obj)
 }
 
 /// As [`load`], for a file with these `bytes`, read in portions of about `portion` bytes. The
@@ -115,6 +112,7 @@ fn read(
     let (block, piece) = portion.map_or((obj::BLOCK, BUFFER), |size| (size, size.div_ceil(4)));
     let loaded = match format {
         MeshFormat::Ply => ply::read(file, length, buffer, faces),
+        MeshFormat::Obj if faces.is_some() => Err(faults::no_part()),
         MeshFormat::Obj => obj::read(file, length, block, piece),
         MeshFormat::Stl => stl::read(file, length, buffer, faces),
     };
@@ -246,16 +244,26 @@ pub(crate) mod tests {
         let files = [("a.ply", text.into_bytes()), ("b.ply", binary), ("c.stl", stl)];
         for (name, bytes) in files {
             let (path, length) = (Path::new(name), bytes.len() as u64);
-            assert!(has_parts(path));
-            for (first, vertices) in [(4, 6), (10, 12), (99, 12)] {
-                let how = (Some(first), Some(29));
-                let loaded = read(MeshFormat::of(path).unwrap(), &&bytes[..], length, how, path);
-                let mesh = loaded.unwrap().mesh;
-                assert_eq!(*mesh.triangles, triangles[..10.min(first as usize)], "{name}");
-                assert_eq!(*mesh.positions, positions[..vertices], "{name}");
+            let part = |faces| {
+                read(
+                    MeshFormat::of(path).unwrap(),
+                    &&bytes[..],
+                    length,
+                    (Some(faces), Some(29)),
+                    path,
+                )
+            };
+            if name != "a.ply" {
+                let LoadedMesh { mesh, warnings, .. } = part(4).unwrap();
+                assert!(warnings.is_empty(), "{name}: {warnings:?}");
+                assert_eq!(*mesh.triangles, triangles[..4], "{name}");
+                assert_eq!(*mesh.positions, positions[..6], "{name}");
+                assert!(part(9).is_ok());
+            }
+            for whole in [10, if name == "a.ply" { 4 } else { 99 }] {
+                assert!(part(whole).unwrap_err().to_string().contains("no part"), "{name}");
             }
         }
-        assert!(!has_parts(Path::new("a.obj")) && !has_parts(Path::new("a.glb")));
     }
 
     /// Opening a pipe without a writer would wait forever, and a device may have no end.

@@ -46,7 +46,8 @@ pub struct LoadOptions {
     /// guessed, vertex colours have the sRGB curve, edges are smoothed by their angle, and a surface without a material
     /// has the usual one of meshes, whose opacity is the alpha of its vertices.
     pub like_meshes: bool,
-    /// The most triangles that are read of a mesh file alone: those that come first ([`mesh::has_parts`](crate::mesh::has_parts)).
+    /// The number of faces to read of a file, those that come first. It is an error if the file is no binary PLY or STL
+    /// with more.
     pub first: Option<u64>,
 }
 

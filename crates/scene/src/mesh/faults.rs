@@ -34,3 +34,8 @@ pub(super) fn check_count(what: &str, count: u64) -> Result<()> {
     }
     Ok(())
 }
+
+/// A file whose first faces cannot be read alone.
+pub(crate) fn no_part() -> Error {
+    Error::new(ErrorKind::Mesh, "the file has no part that can be read alone")
+}

@@ -22,12 +22,13 @@ mod numbers;
 mod vertices;
 
 use super::data::Read;
+use super::faults::no_part;
 use super::place::ReadAt;
-use header::Element;
+use header::{BodyEncoding, Element};
 use numbers::Numbers;
 use wavecrest_base::error::Result;
 
-/// Reads a file of `length` bytes, up to so many `faces` if their number is given.
+/// Reads a file of `length` bytes, up to so many `faces` if their number is given: of a binary file with more.
 pub(super) fn read(
     file: &dyn ReadAt,
     length: u64,
@@ -35,14 +36,15 @@ pub(super) fn read(
     faces: Option<u64>,
 ) -> Result<Read> {
     let mut header = header::read(file, length)?;
-    let most = faces.unwrap_or(u64::MAX);
-    let is_longer = |element: &Element| element.name == "face" && element.count > most;
-    let longer = header.elements.iter().position(is_longer);
-    if let Some(longer) = longer {
+    if let Some(most) = faces {
+        let is_longer = |element: &Element| element.name == "face" && element.count > most;
+        let longer = header.elements.iter().position(is_longer);
+        let longer = longer.filter(|_| header.encoding != BodyEncoding::Ascii);
+        let longer = longer.ok_or_else(no_part)?;
         header.elements[longer].count = most;
         header.elements.truncate(longer + 1);
     }
-    body::read(&header, Numbers::new(file, &header, length, buffer), longer.is_some())
+    body::read(&header, Numbers::new(file, &header, length, buffer), faces.is_some())
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ const FRAME: [&str; 5] = ["solid", "endsolid", "facet", "outer", "endfacet"];
 /// The corners of a file's triangles, and warnings.
 type StlTriangles = (Vec<[Vec3; 3]>, Vec<Error>);
 
-/// Reads a file of `length` bytes, of a binary one the first triangles if their number is given.
+/// Reads a file of `length` bytes, or the first triangles of a binary one with more, if their number is given.
 pub(super) fn read(
     file: &dyn ReadAt,
     length: u64,
@@ -59,6 +59,7 @@ pub(super) fn read(
 ) -> Result<Read> {
     let (head, line_end) = form(file, length)?;
     let (corners, notes) = match line_end {
+        Some(_) if first.is_some() => return Err(faults::no_part()),
         Some(end) => read_text(file, end, buffer)?,
         None => read_binary(file, (&head, length), buffer, first)?,
     };
@@ -143,12 +144,15 @@ fn read_binary(
             .remedy("the file may be cut off, or this is not an STL file"));
     }
     check_count(count)?;
+    if first.is_some_and(|first| first >= count) {
+        return Err(faults::no_part());
+    }
     let left = length - HEAD as u64 - count * TRIANGLE as u64;
     let mut notes = Vec::new();
-    if left > 0 {
+    if left > 0 && first.is_none() {
         notes.push(syntax("bytes after the last triangle are ignored").value(left));
     }
-    let count = first.map_or(count, |first| count.min(first));
+    let count = first.unwrap_or(count);
     let mut triangles: Vec<[Vec3; 3]> = bytemuck::zeroed_vec(count as usize);
     let at_once = (buffer / TRIANGLE).max(1);
     let parts = triangles.chunks_mut(at_once).enumerate();

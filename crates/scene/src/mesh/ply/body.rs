@@ -32,6 +32,7 @@ pub(super) fn read<'a>(
     if is_part {
         let last = body.faces.triangles.as_flattened().iter().max();
         body.vertices.truncate(last.map_or(0, |&last| last as usize + 1));
+        return body.finish();
     }
     let bytes = numbers.trailing()?;
     if bytes > 0 {
