@@ -104,7 +104,7 @@ pub(crate) struct InputOptions {
     /// Smooth the edges of a mesh without normals up to this angle between faces; 0 for flat faces [default: 30]
     #[arg(long, help_heading = VIEW, value_name = "DEGREES", value_parser = degrees)]
     pub(crate) crease: Option<f64>,
-    /// The faces of a mesh file to read, for a page's first image. What is wrong with the file is told once all is read.
+    /// The number of faces to read of a mesh file, for the first image of a page. Its warnings are left to the reading of all.
     #[arg(skip)]
     pub(crate) first: Option<u64>,
 }

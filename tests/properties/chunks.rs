@@ -204,6 +204,24 @@ fn hc23_a_chunk_that_is_too_deep_is_a_list() {
 }
 
 #[test]
+fn rays_build_where_they_are_few_or_much_is_out_of_view() {
+    for (out_of_view, rays, expected) in [
+        (0, 0, Preset::OnDemand),
+        (0, 1999, Preset::OnDemand),
+        (0, 2000, Preset::Fastest),
+        (500, 7999, Preset::OnDemand),
+        (500, 8000, Preset::Fastest),
+        (1000, 32_000, Preset::Fast),
+    ] {
+        let chosen = Preset::choose_for_part(1000, out_of_view, rays);
+        assert_eq!(chosen, expected, "{out_of_view} {rays}");
+        if expected != Preset::OnDemand {
+            assert_eq!(chosen, Preset::choose(1000, rays));
+        }
+    }
+}
+
+#[test]
 fn large_triangles_make_no_chunk_large() {
     let mut geometry = Geometry::default();
     for i in 0..2000 {
